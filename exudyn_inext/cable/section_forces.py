@@ -71,60 +71,76 @@ class SolvedState:
     multiplier: Array
 
 
-def section_forces(
-    cable: Cable, chain: Chain, state: SolvedState, density: Array, arc_length: Array
-) -> SectionForces:
-    """Section forces at the given points.
+class SectionPoints:
+    """Points of a cable where section forces are asked for, and what depends on nothing else.
 
     Args:
-        cable, chain: the cable and its kernel form.
-        state: of `cable`, solved.
-        density: (dim,) force density f = rho_A g of gravity, or (N, dim), one of each element [N/m].
+        cable: the cable.
         arc_length: (m,) within 0 and the cable's length [m]; at a node, those of the element before it.
+
+    element, xi: (m,) where they are.
+    shapes: (m, 4, 4) of the nodal coordinates of an element: r, r_x, r_xx, and the integral of r from the
+        left end less its weighted mean.
+    load: (m,) the same of a constant load of 1 [m].   natural: (m,) curvature kappa_0 [1/m].
+    """
+
+    def __init__(self, cable: Cable, arc_length: Array) -> None:
+        self.cable, self.arc_length = cable, arc_length
+        ends = np.cumsum(cable.element_lengths)
+        self.element = np.searchsorted(ends, arc_length - 1e-12 * cable.length)
+        self.element = k = np.minimum(self.element, len(ends) - 1)
+        length = cable.element_lengths[k]
+        self.xi = xi = np.clip((arc_length - (ends[k] - length)) / length, 0.0, 1.0)
+        points, weights = quadrature(1.0)
+        weights = weights * 6.0 * points * (1.0 - points)
+        mean = np.tensordot(_integrated_shape_functions(points[:, None], length), weights, (1, 0))
+        shapes = [s(xi, length) for s in DERIVATIVES]
+        shapes.append(_integrated_shape_functions(xi, length) - mean)
+        self.shapes = np.array(shapes).transpose(2, 0, 1).copy()
+        self.load = length * (xi - weights @ points)
+        self.natural = np.zeros(len(k))
+        if cable.dimension == 2:
+            natural = [cable.natural_curvature(*place)[0] for place in zip(k, xi[:, np.newaxis], strict=True)]
+            self.natural[:] = natural
+
+    def within(self, x: Array, first: int, end: int) -> Array:
+        """(m, end - first, dim) of nodal values x (n, 2, dim), by these rows of `shapes`."""
+        nodal = np.concatenate([x[self.element], x[self.element + 1]], axis=1)
+        result: Array = self.shapes[:, first:end] @ nodal
+        return result
+
+
+def section_forces(points: SectionPoints, chain: Chain, state: SolvedState, density: Array) -> SectionForces:
+    """Section forces at some points of a cable.
+
+    Args:
+        points: of the cable.   chain: its kernel form.   state: of the cable, solved.
+        density: (dim,) force density f = rho_A g of gravity, or (N, dim), one of each element [N/m].
 
     Returns:
         `SectionForces` at these points.
     """
+    cable, k = points.cable, points.element
     density = np.broadcast_to(density, (cable.number_of_elements, cable.dimension))
     mean = np.zeros(density.shape)
     if cable.stretches:
         mean_section_forces(chain, state.q, state.v, state.a, np.zeros(state.q.shape), mean)
     else:
         _mean_section_forces(chain, state.q, state.v, state.multiplier, mean)
-    ends = np.cumsum(cable.element_lengths)
-    k = np.minimum(np.searchsorted(ends, arc_length - 1e-12 * cable.length), len(ends) - 1)
-    length = cable.element_lengths[k]
-    xi = np.clip((arc_length - (ends[k] - length)) / length, 0.0, 1.0)
-    force = mean[k] + _variation(cable, state.a, density, k, xi)
-    force += attached_variation(cable, state, density / cable.section.mass_per_length, k, xi)
-    position, r_x, r_xx = (_within(state.q, k, s(xi, length)) for s in DERIVATIVES)
-    v_x, v_xx = (_within(state.v, k, s(xi, length)) for s in DERIVATIVES[1:])
-    tangent = r_x / np.linalg.norm(r_x, axis=1)[:, None]
-    tension = np.einsum("mi,mi->m", force, tangent)
+    force = mean[k] + cable.section.mass_per_length * points.within(state.a, 3, 4)[:, 0]
+    force -= density[k] * points.load[:, np.newaxis]
+    force += attached_variation(cable, state, density / cable.section.mass_per_length, k, points.xi)
+    position, r_x, r_xx = points.within(state.q, 0, 3).transpose(1, 0, 2)
+    v_x, v_xx = points.within(state.v, 1, 3).transpose(1, 0, 2)
+    tangent = r_x / np.sqrt((r_x * r_x).sum(axis=1))[:, np.newaxis]
+    tension = (force * tangent).sum(axis=1)
     return SectionForces(
-        arc_length,
+        points.arc_length,
         position,
         tension,
-        force - tension[:, None] * tangent,
-        _bending_moment(cable, (k, xi), (r_x, r_xx, v_x, v_xx)),
+        force - tension[:, np.newaxis] * tangent,
+        _bending_moment(cable, points.natural, (r_x, r_xx, v_x, v_xx)),
     )
-
-
-def _within(x: Array, k: np.ndarray, shapes: Array) -> Array:
-    """(m, dim) values in elements k (m,), from nodal ones x (n, 2, dim).   shapes: (4, m)."""
-    nodal = np.concatenate([x[:-1], x[1:]], axis=1)[k]
-    return np.einsum("sm,msi->mi", shapes, nodal)
-
-
-def _variation(cable: Cable, a: Array, density: Array, k: np.ndarray, xi: Array) -> Array:
-    """(m, dim) n less its weighted mean, from the balance of momentum within element k."""
-    points, weights = quadrature(1.0)
-    weights = weights * 6.0 * points * (1.0 - points)
-    length = cable.element_lengths[k]
-    mean = np.tensordot(_integrated_shape_functions(points[:, None], length), weights, (1, 0))
-    momentum = _within(a, k, _integrated_shape_functions(xi, length) - mean)
-    load = density[k] * (length * (xi - weights @ points))[:, None]
-    return np.asarray(cable.section.mass_per_length * momentum - load)
 
 
 def _integrated_shape_functions(xi: Array, length: Array) -> Array:
@@ -140,10 +156,10 @@ def _integrated_shape_functions(xi: Array, length: Array) -> Array:
     )
 
 
-def _bending_moment(cable: Cable, places: tuple[np.ndarray, Array], rates: Sequence[Array]) -> Array:
+def _bending_moment(cable: Cable, natural: Array, rates: Sequence[Array]) -> Array:
     """(m,) see `SectionForces`.
 
-    places: elements (m,) and where in them (m,).   rates: r_x, r_xx, and their rates in time, each (m, dim).
+    natural: (m,) kappa_0 [1/m].   rates: r_x, r_xx, and their rates in time, each (m, dim).
     """
     section, power = cable.section, 2 if cable.stretches else 3  # by the arc length, stretched or not
     r_x, r_xx, v_x, v_xx = rates
@@ -154,8 +170,7 @@ def _bending_moment(cable: Cable, places: tuple[np.ndarray, Array], rates: Seque
     moment = section.bending_stiffness * kappa + section.bending_damping * kappa_t
     if cable.dimension == 3:
         return np.asarray(np.linalg.norm(moment, axis=1))
-    natural = [cable.natural_curvature(k, np.array([x]))[0] for k, x in zip(*places, strict=True)]
-    return np.asarray(moment[:, 0] - section.bending_stiffness * np.array(natural))
+    return np.asarray(moment[:, 0] - section.bending_stiffness * natural)
 
 
 def _cross(a: Array, b: Array) -> Array:

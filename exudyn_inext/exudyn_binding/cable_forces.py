@@ -1,6 +1,6 @@
 """Tension, shear force and bending moment of a cable of an mbs: as values and as sensors."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import pairwise
 from numbers import Integral
@@ -15,7 +15,14 @@ from ..cable.axial_stiffness import set_step_of_means
 from ..cable.cable import Cable
 from ..cable.frequency import nodal_multipliers_of
 from ..cable.linked_cable import cable_system
-from ..cable.section_forces import SectionForces, SolvedState, multiplier_tension, section_forces
+from ..cable.section_forces import (
+    SectionForces,
+    SectionPoints,
+    SolvedState,
+    multiplier_tension,
+    section_forces,
+)
+from ..called_system import Bound
 from ..checks import LARGEST_NUMBER_OF_ITEMS, require_flag, require_integer
 from ..errors import InputError, SceneError
 from ..items.arguments import described
@@ -30,31 +37,56 @@ from ..system import index_reduced_rates
 from .mbs_state import last_step
 from .scene import read_scene, require_assembled
 
+JoinedForces = Callable[[int, float], tuple[float, Array] | None]  # see `ExplicitTimeLoop.joined_forces`
+
+
+def _nothing_known(cable: int, time: float) -> None:
+    """Without a run."""
+
 
 class SceneEvaluator:
     """Evaluates an mbs at its present state, apart from any running solver.
 
     It holds no mbs, so that a sensor which keeps it does not keep its mbs alive, until it has had to evaluate
     a cable among bodies and joints; see `forget_evaluators`.
+
+    joined_forces: of a run, see `ExplicitTimeLoop.joined_forces`.
     """
 
-    def __init__(self, mbs: Any) -> None:
+    def __init__(self, mbs: Any, joined_forces: JoinedForces = _nothing_known) -> None:
         require_assembled(mbs)
         self.scene = read_scene(mbs)
-        self._loads: dict[int, CableLoads] = {}
-        self._systems: dict[int, Any] = {}
+        self._joined_forces = joined_forces
+        self._stretches = any(cable.cable.stretches for cable in self.scene.cables)
+        self._loads: dict[tuple[int, bool], CableLoads] = {}
+        self._systems: dict[int, tuple[Any, Bound]] = {}
         self._coupled: CoupledScene | None = None
         self._solved: bytes | None = None  # the state of all parts that has been evaluated last
 
-    def loads(self, place: int) -> CableLoads:
-        """On a cable, by its place in the scene."""
-        if place not in self._loads:
-            self._loads[place] = CableLoads(self.scene.cables[place])
-        return self._loads[place]
+    def loads(self, place: int, among_others: bool = False) -> CableLoads:
+        """On a cable, by its place in the scene; without what others do, see `CableInScene.among_others`."""
+        key, cable = (place, among_others), self.scene.cables[place]
+        if key not in self._loads:
+            self._loads[key] = CableLoads(cable.among_others if among_others else cable)
+        return self._loads[key]
+
+    def forget_state(self) -> None:
+        """That has been evaluated last."""
+        self._solved = None
 
     def solve(self, mbs: Any, place: int) -> tuple[Any, Array, Array, Array]:
         """The system of a cable, which then holds its multipliers, and its q, v, a of the present state."""
-        return (self._solve_among_others if self.scene.foreign else self._solve_alone)(mbs, place)
+        time = mbs.systemData.GetTime()
+        if not self.scene.foreign:
+            return self._solve_alone(mbs, place, self.loads(place).at(time))
+        number = self.scene.cables[place].number
+        known = None if self._stretches else self._joined_forces(number, time)
+        if known is None:
+            return self._solve_among_others(mbs, place)
+        time, joined = known
+        external = self.loads(place, among_others=True).at(time).copy()
+        external[: len(joined)] += joined
+        return self._solve_alone(mbs, place, external)
 
     def _take_means(self, mbs: Any, systems: Mapping[int, Any]) -> list[float]:
         """Let cables that stretch have mean forces of their last step; returns these [s]."""
@@ -65,16 +97,18 @@ class SceneEvaluator:
                 set_step_of_means(steps[-1], system.chain.nodes, system.chain.elements)
         return steps
 
-    def _solve_alone(self, mbs: Any, place: int) -> tuple[Any, Array, Array, Array]:
+    def _solve_alone(self, mbs: Any, place: int, external: Array) -> tuple[Any, Array, Array, Array]:
+        """external: (n_external,) all that acts, see `CableLoads.at`."""
         data, cable = mbs.systemData, self.scene.cables[place]
         if place not in self._systems:
-            self._systems[place] = cable_system(cable.cable, 0.0)
-        system = self._systems[place]
+            system = cable_system(cable.cable, 0.0)
+            self._systems[place] = system, Bound(index_reduced_rates, system)
+        system, evaluate = self._systems[place]
         self._take_means(mbs, {place: system})
         q = cable.cable.reference.ravel() + np.asarray(data.GetODE2Coordinates())[cable.indices]
         v = np.asarray(data.GetODE2Coordinates_t())[cable.indices]
         a, rate = np.zeros(q.size), np.zeros(q.size)
-        index_reduced_rates(system, self.loads(place).at(data.GetTime()), q, v, a, rate)
+        evaluate(external, q, v, a, rate)
         return system, q, v, a
 
     def _solve_among_others(self, mbs: Any, place: int) -> tuple[Any, Array, Array, Array]:
@@ -110,12 +144,15 @@ class CableEvaluator:
         self._cable = scene.scene.cables[self._place]
         _require_linear_laws(mbs, self._cable)
         self._gravity = np.zeros(self._cable.cable.dimension)  # of the state that was solved
+        self._points: dict[bytes, SectionPoints] = {}  # that have been asked for
 
     def forces(self, state: SolvedState, arc_length: Array) -> SectionForces:
         """Section forces at arc lengths (m,) [m]."""
-        cable = self._cable.cable
+        cable, key = self._cable.cable, arc_length.tobytes()
+        if key not in self._points:
+            self._points[key] = SectionPoints(cable, arc_length)
         density = cable.section.mass_per_length * self._gravity
-        return section_forces(cable, self._system.chain, state, density, arc_length)
+        return section_forces(self._points[key], self._system.chain, state, density)
 
     def multiplier_tension(self, state: SolvedState) -> Array:
         """(N,) mean tension of the elements, from the multipliers [N]; once for each `solve`."""
@@ -136,7 +173,8 @@ class CableEvaluator:
 class _Keeper:
     """What sensors of section forces keep from one output to the next; those of a run share one."""
 
-    def __init__(self) -> None:
+    def __init__(self, joined_forces: JoinedForces = _nothing_known) -> None:
+        self._joined_forces = joined_forces
         self.forget()
 
     def forget(self) -> None:
@@ -145,11 +183,18 @@ class _Keeper:
         self._cables: dict[int, CableEvaluator] = {}
         self._asked: set[Any] = set()
 
+    def forget_state(self) -> None:
+        """That has been evaluated last: other forces act in it."""
+        if self._scene:
+            self._scene.forget_state()
+
     def evaluator(self, mbs: Any, number: int, time: float, who: Any) -> CableEvaluator:
-        """Of a cable; read again if the same sensor asks again: then loads may have changed."""
-        if self._scene is None or time < self._time or (time == self._time and who in self._asked):
+        """Of a cable; read again if the same sensor asks again: then loads may have changed, out of a run."""
+        is_asked_again = time == self._time and who in self._asked
+        may_have_changed = is_asked_again and self._joined_forces(number, time) is None
+        if self._scene is None or time < self._time or may_have_changed:
             self.forget()
-            self._scene = SceneEvaluator(mbs)
+            self._scene = SceneEvaluator(mbs, self._joined_forces)
         elif time > self._time:
             self._asked.clear()
         self._time = time
@@ -243,12 +288,12 @@ def CreateCableForceSensor(
 
 
 @contextmanager
-def shared_evaluators(sensors: Sequence[Any]) -> Iterator[None]:
+def shared_evaluators(sensors: Sequence[Any], joined_forces: JoinedForces) -> Iterator[None]:
     """Sensors of section forces evaluate a state together; afterwards they have let go of what they keep.
 
-    sensors: data of all.
+    sensors: data of all.   joined_forces: see `SceneEvaluator`.
     """
-    shared, functions = _Keeper(), _with_keepers(sensors)
+    shared, functions = _Keeper(joined_forces), _with_keepers(sensors)
     try:
         for function in functions:
             function.keeper = shared
@@ -258,10 +303,16 @@ def shared_evaluators(sensors: Sequence[Any]) -> Iterator[None]:
             function.keeper = _Keeper()
 
 
-def forget_evaluators(sensors: Sequence[Any]) -> None:
-    """Sensors of section forces let go of what they keep.   sensors: data of all."""
+def forget_evaluators(sensors: Sequence[Any], are_forces: bool = False) -> None:
+    """Sensors of section forces let go of what they keep.
+
+    sensors: data of all.   are_forces: whether no more has been changed than forces on what is no cable.
+    """
     for function in _with_keepers(sensors):
-        function.keeper.forget()
+        if are_forces:
+            function.keeper.forget_state()
+        else:
+            function.keeper.forget()
 
 
 def _with_keepers(sensors: Sequence[Any]) -> list[Any]:

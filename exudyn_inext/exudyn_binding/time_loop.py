@@ -15,7 +15,7 @@ from ..arrays import Array, as_slice
 from ..errors import DivergenceError, SceneError
 from ..items.functions_of_time import has_sensor_functions, step_functions
 from ..native.compiled_form import active_general_contacts
-from ..run.coupled_run import Run
+from ..run.coupled_run import CoupledRun, Run
 from ..run.divergence import divergence, listed
 from ..run.kept_state import KeptState
 from ..run.time_grid import TimeGrid
@@ -438,10 +438,29 @@ class ExplicitTimeLoop:
             self._last_steps = LastSteps(self._last_steps.place, runs)
             self.kept_states = list(map(KeptStates, runs))
 
+    def joined_forces(self, cable: int, time: float) -> tuple[float, Array] | None:
+        """(n_dof,) of items and joints on a cable among others, by its object, in the state of mbs.
+
+        And the time of that state [s]; None: nobody has asked for them there, or something has been changed.
+        time: of mbs, which is that of the next state where a pre-step function looks.
+        """
+        if self._is_watched:
+            if self.changes.log.is_pending or not self._is_as_handed_out(self._present()):
+                return None
+            time = self.time
+        is_moved = time > self.grid.time(self.grid.first)  # at the start, only the run has what was corrected
+        coupled = [run for run in self.runs if isinstance(run, CoupledRun)]
+        forces = coupled[0].joined_forces(cable, time) if coupled and is_moved else None
+        return None if forces is None else (time, forces)
+
+    def _is_as_handed_out(self, present: Sequence[Array]) -> bool:
+        """Whether the state of mbs is still that which it was given last."""
+        return all(now.tobytes() == then.tobytes() for now, then in zip(present, self._written, strict=True))
+
     def _take_over_changes(self) -> None:
         """A user function may have set coordinates since the last step: restart from them."""
         present = self._present()
-        if all(now.tobytes() == then.tobytes() for now, then in zip(present, self._written, strict=True)):
+        if self._is_as_handed_out(present):
             return
         self._withdraw()
         self._is_changed = True

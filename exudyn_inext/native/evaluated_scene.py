@@ -352,9 +352,9 @@ class SceneOfExudyn(EvaluatedScene):
         return result
 
     def joined_forces(self) -> Array:
-        """(n,) of items and joints, when accelerations were asked for last; first order states have none."""
+        """(n,) of items and joints on the cables, when accelerations were asked for last."""
         result = np.zeros(self.size)
-        for dofs in self.map.slices:
+        for dofs in self.map.slices[: len(self.cables)]:
             result[dofs] = self._joined_forces_on(dofs)
         return result
 

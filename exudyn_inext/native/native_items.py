@@ -251,6 +251,17 @@ class NativeItems:
         """(D,) by contacts at present."""
         return np.array(self._data.GetDataCoordinates())
 
+    @property
+    def depths_of_contacts(self) -> Array | None:
+        """(2, D) what they remember: signs, and of what is negative, as in closed contacts, powers of two.
+
+        None: nobody knows, as of a GeneralContact.
+        """
+        if self._mbs.NumberOfGeneralContacts():
+            return None
+        data = self.remembered
+        return np.array([np.sign(data), np.frexp(np.minimum(data, 0.0))[1]])
+
     def settled(self, t: float, q: Array, v: Array) -> Array:
         """(D,) what contacts remember once they have settled at (t, q, v)."""
         self.set_state(t, q, v)

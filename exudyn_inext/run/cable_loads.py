@@ -51,6 +51,7 @@ class CableLoads:
         if self._motions:
             rows += self._motion_patterns(len(force), motions)
         self.pattern = np.array(rows).reshape(len(rows), len(self.constant))
+        self._time, self._varying = np.nan, self.constant  # what varies, at the time that was asked for last
 
     def _add_steady(self) -> None:
         for load, patterns in self._steady:
@@ -124,7 +125,10 @@ class CableLoads:
         """(n_external,) external force and motions at `time`; not to be written to."""
         if not len(self.pattern):
             return self.constant
-        forces: Array = self.constant + (self.factors([time]) @ self.pattern)[0]
+        if time != self._time or not self.known_ahead:
+            self._varying = (self.factors([time]) @ self.pattern)[0]
+            self._time = time
+        forces: Array = self.constant + self._varying
         return forces
 
     def at_times(self, times: list[float]) -> Array:

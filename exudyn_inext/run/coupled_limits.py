@@ -57,6 +57,7 @@ class LimitedRun(PacedRun):
     _time: float  # of the state whose rates are known [s]
     _fastest: Array  # (2, 2, n) found by searches so far, see `fastest_rates`: as it is, and in contact
     frequency_of_states = 0.0
+    _depths: Array  # of contacts at the last look, see `NativeItems.depths_of_contacts`
     _outrun = ""  # what is said of a given step that became too long
     _unsolvable = ""  # what was said of joints that could not be solved for
     _tracker: VibrationTracker | None = None
@@ -234,10 +235,18 @@ class LimitedRun(PacedRun):
         return bool(self.why_not) and remembers
 
     def _looks_at_contacts(self, since: int, done: int) -> bool:
-        """Whether the limit is due to be found again, as contacts change that Exudyn evaluates."""
+        """Whether the limit is due to be found again, as contacts have changed that Exudyn evaluates."""
         may = self.watch.may_shorten and self.has_evaluated_contacts
         is_due = since + steps_until_look(self.control.steps + since, STEPS_BETWEEN_LOOKS) <= done
-        return may and (is_due or self.control.is_shorter_for_a_while)
+        return may and (is_due or self.control.is_shorter_for_a_while) and self._have_contacts_changed()
+
+    def _have_contacts_changed(self) -> bool:
+        """Whether some have opened or closed since the last look, or are twice as deep or half as deep."""
+        present = self._scene.native_items.depths_of_contacts
+        if present is not None and np.array_equal(present, self._depths):
+            return False
+        self._depths[:] = 0.0 if present is None else present
+        return True
 
     def is_stable(self, h: float, time: float) -> bool:
         """See `PacedRun.is_stable`: contacts that close, and what they rub, may have changed the limit."""

@@ -84,6 +84,7 @@ class CoupledRun(LimitedRun):
             raise with_straight_cables(error, straight) from None
         self.mover.compile_steps(start.time)
         self._fastest = np.zeros((2, 2, scene.size))
+        self._depths = np.zeros((2, scene.native_items.remembered.size))
         self._rejects = start.explicit.rejectSteps
         self.control = StepControl(rejects=self._rejects)
         parts, tolerance = (scene, cable_runs, self.state), start.explicit.energyTolerance
@@ -245,13 +246,21 @@ class CoupledRun(LimitedRun):
             else:
                 index_reduced_rates(*arguments, a, rest)
         multipliers[:] = native_items.all_multipliers(self._scene.system.multipliers, a)
-        if any(run.has_reactions for run in self._runs):
-            rows = (row[np.newaxis] for row in (state.q, state.v, self._scene.joined_forces(), multipliers))
-            self.mover.put_reactions(np.array([time]), np.array([self.control.present]), *rows)
+        rows = (row[np.newaxis] for row in (state.q, state.v, self._scene.joined_forces(), multipliers))
+        self.mover.put_reactions(np.array([time]), np.array([self.control.present]), *rows)
         if self.has_implicit_bending:
             self.mover.begin_by(self.integrator.resume, time)
         native_items.show(time, state, multipliers)
         return a[: len(self.indices)]
+
+    def joined_forces(self, cable: int, time: float) -> Array | None:
+        """(n_dof,) of items and joints on the cable with that object, see `Mover.joined_forces`."""
+        forces = self.mover.joined_forces(time)
+        if forces is None:
+            return None
+        numbers = [run.scene_cable.number for run in self._runs]
+        result: Array = forces[self._scene.map.slices[numbers.index(cable)]]
+        return result
 
     def tensions(self, time: float, displacements: Array, velocities: Array) -> list[Array]:
         """See `CableRun.tensions`; of all cables."""
@@ -303,6 +312,7 @@ class CoupledRun(LimitedRun):
             "control": self.control.memory() | ({"vibration": tracker.vibration} if tracker else {}),
             "friction": self._scene.friction.sums,
             "tilts": self._scene.tilted_angles.tilts,
+            "depths": self._depths,
         }
 
     @property
@@ -428,7 +438,8 @@ class CoupledRun(LimitedRun):
         times = piece.times(self.integrator.stages)
         self._kept.keep()
         done = kept = 0
-        looks = self.watch.may_shorten and (self.watch.stretches or self.has_evaluated_contacts)
+        may_outrun = self.watch.stretches or self.has_evaluated_contacts
+        looks = self.watch.may_shorten and may_outrun
         looks_within = self._by_kernels or piece.intervals > 1
         while done < piece.steps:
             due = steps_until_look(self.control.steps + done) if looks else piece.steps
@@ -443,7 +454,8 @@ class CoupledRun(LimitedRun):
             if self._by_kernels and done < piece.steps:
                 self._kept.keep()
                 kept = done
-            if (is_due if looks_within else done == piece.steps) and self.outruns_limit(piece, since, done):
+            is_due = is_due if looks_within else done == piece.steps
+            if may_outrun and is_due and self.outruns_limit(piece, since, done):
                 break
         return done
 

@@ -77,7 +77,6 @@ class MovedByExudyn(Mover):
 
     @property
     def approaches(self) -> bool:
-        """Whether joints have moved through the last step, as they were changed."""
         return self._scene.native_items.approach is not None
 
     def rest(self) -> None:

@@ -13,6 +13,7 @@ from ..integrators.integrator import Integrator
 from .cable_run import CableRun
 from .compiled_scene import ChangedItem
 from .joined_scene import EvaluatedScene
+from .step_control import ROUND_OFF
 
 FULFILLED = 1e-9  # violation of a joint [m, -] that needs no motion to be removed
 
@@ -37,6 +38,7 @@ class Mover:
     asks = ""
     elsewhere: Any = None
     dofs_in_implicit_contact: np.ndarray = np.zeros(0, int)
+    _joined: tuple[Array, Array] | None = None  # (k,) times [s], (k, n) forces of items and joints there
     _settled: tuple[Array, Array] | None = None  # (D,), (2, D) what contacts are said to remember, and do
 
     def __init__(
@@ -47,6 +49,11 @@ class Mover:
 
     @property
     def system(self) -> Any:
+        raise NotImplementedError
+
+    @property
+    def approaches(self) -> bool:
+        """Whether joints have moved through the last step, as they were changed."""
         raise NotImplementedError
 
     @property
@@ -135,11 +142,18 @@ class Mover:
         times, steps: (k,) of the states, and before them [s].   q, v: (k, n) of all parts.
         forces: (k, n) of items and joints.
         """
+        self._joined = times, forces
         for run, dofs in zip(self._runs, self._scene.map.slices, strict=False):
             if run.has_reactions:
                 external = run.loads.at_times(times.tolist())
                 external[:, : dofs.stop - dofs.start] += forces[:, dofs]
                 run.put_reactions(external, q[:, dofs], v[:, dofs], steps, multipliers)
+
+    def joined_forces(self, time: float) -> Array | None:
+        """(n,) of items and joints in the state at `time` [s]; None: nobody has asked for its reactions."""
+        times, forces = self._joined or (np.zeros(0), np.zeros(0))
+        found = np.flatnonzero(np.abs(times - time) <= ROUND_OFF * max(abs(time), 1.0))
+        return forces[found[-1]] if len(found) and not self.approaches else None
 
 
 @contextmanager

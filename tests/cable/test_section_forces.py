@@ -12,7 +12,7 @@ import pytest
 from exudyn_inext.cable.attached import Drag, PointMass
 from exudyn_inext.cable.attached_forces import drag_rate
 from exudyn_inext.cable.chain import build_chain
-from exudyn_inext.cable.section_forces import SolvedState, multiplier_tension, section_forces
+from exudyn_inext.cable.section_forces import SectionPoints, SolvedState, multiplier_tension, section_forces
 from tests.cables import (
     DIMENSIONS,
     MEASURES,
@@ -57,7 +57,7 @@ def carrying(cable, drag=True, masses=True):
 def found_at(cable, state, arc_length):
     """Section forces of the package under gravity, and their sum N t + Q as (m, dim)."""
     density = cable.section.mass_per_length * GRAVITY[: cable.dimension]
-    forces = section_forces(cable, build_chain(cable), state, density, np.asarray(arc_length))
+    forces = section_forces(SectionPoints(cable, np.asarray(arc_length)), build_chain(cable), state, density)
     tangent = slopes(cable, state.q, arc_length, 1)
     tangent /= np.linalg.norm(tangent, axis=1)[:, None]
     return forces, forces.tension[:, None] * tangent + forces.shear_force

@@ -19,6 +19,7 @@ from exudyn.itemInterface import (
 )
 
 from exudyn_inext import SolveExplicit
+from exudyn_inext.run.coupled_run import CoupledRun
 from reference_models.model import quiet_settings, silence
 
 STEPS, PERIOD = 100, 0.015  # of the loop in 0.5 s, each third of which is an output
@@ -153,3 +154,15 @@ def test_contact_acts_and_is_shown_as_in_a_run_whose_steps_a_function_sees(bounc
         np.testing.assert_array_equal(own, other)
     assert found[1][-1, 1] < 0 < found[1][1, 1]  # it has closed
     assert mbs.systemData.GetDataCoordinates() == seen_mbs.systemData.GetDataCoordinates()
+
+
+def test_the_limit_of_the_step_is_found_again_only_after_contact_has_closed(bounce, monkeypatch):
+    times, find = [], CoupledRun._limit_of_motion
+    monkeypatch.setattr(
+        CoupledRun, "_limit_of_motion", lambda run, time: times.append(round(time, 6)) or find(run, time)
+    )
+    mbs, sensors = bounce()
+    (_, gap), _ = solved(mbs, sensors)
+    closed = gap[gap[:, 1] < 0, 0][0]
+    assert max(time for time in times if time < closed - PERIOD) < PERIOD
+    assert max(times) > closed - PERIOD

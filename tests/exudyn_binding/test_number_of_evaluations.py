@@ -98,17 +98,54 @@ def pulled_cable(mbs, add_pendulum, points, calls):
     return cable, [CreateCableForceSensor(mbs, cable, x) for x in points]
 
 
-def test_sensors_of_section_forces_evaluate_a_state_once_for_all(new_mbs, add_pendulum, solve):
+def test_sensors_of_section_forces_take_what_the_run_has_evaluated(new_mbs, add_pendulum, solve):
     counted = []
-    for points in ([0.9], [0.1, 0.9, 1.0, 1.7]):
+    for points in ([], [0.9], [0.1, 0.9, 1.0, 1.7]):
         mbs, calls = new_mbs(), []
         cable, sensors = pulled_cable(mbs, add_pendulum, points, calls)
         mbs.Assemble()
         solve(mbs, settings=quiet_settings(0.1, STEPS, 0.1 / STEPS))
         counted.append(len(calls))
-    shown = [mbs.GetSensorValues(sensor)[0] for sensor in sensors]
-    np.testing.assert_allclose(shown, CableForces(mbs, cable, points)["tension"], rtol=1e-9)
-    assert counted[1] < counted[0] + STEPS
+    shown = [mbs.GetSensorStoredData(sensor)[-1, 1] for sensor in sensors]
+    np.testing.assert_allclose(shown, CableForces(mbs, cable, points)["tension"], rtol=1e-5)
+    assert counted[0] + STEPS // 2 < counted[1] == counted[2] < counted[0] + STEPS + 4
+
+
+def test_a_sensor_of_section_forces_shows_what_is_changed_after_a_step(mbs, add_pendulum, solve):
+    cable, (sensor,) = pulled_cable(mbs, add_pendulum, [1.7], [])
+    weight = AddMarkerOnCable(mbs, cable, 1.8)
+    load = mbs.AddLoad(LoadForceVector(markerNumber=weight, loadVector=[0, 0, 0]))
+    mbs.SetPostStepUserFunction(
+        lambda mbs, t: t < 0.0999 or mbs.SetLoadParameter(load, "loadVector", [50, 0, 0]) or True
+    )
+    mbs.Assemble()
+    solve(mbs, settings=quiet_settings(0.1, STEPS, 0.1 / STEPS))
+    before, after = mbs.GetSensorStoredData(sensor)[-2:, 1]
+    assert after > before + 10
+    np.testing.assert_allclose(after, CableForces(mbs, cable, [1.7])["tension"], rtol=1e-9)
+
+
+def test_a_controller_reads_the_tension_of_the_state_that_it_sees(mbs, add_pendulum, solve):
+    calls, read = [], []
+    cable, (sensor,) = pulled_cable(mbs, add_pendulum, [1.7], calls)
+    weight = AddMarkerOnCable(mbs, cable, 1.8)
+    load = mbs.AddLoad(LoadForceVector(markerNumber=weight, loadVector=[0, 0, 0]))
+
+    def control(mbs, t):
+        before = len(calls)
+        tension = mbs.GetSensorValues(sensor)[0]
+        asked = len(calls) - before
+        read.append([tension, CableForces(mbs, cable, [1.7])["tension"][0], asked])
+        mbs.SetLoadParameter(load, "loadVector", [0.2 * (3.0 - tension), 0, 0])
+        return True
+
+    mbs.SetPreStepUserFunction(control)
+    mbs.Assemble()
+    solve(mbs, settings=quiet_settings(0.02, 10, 0.004))
+    shown, fresh, asked = np.transpose(read)
+    assert np.ptp(shown) > 0.1
+    np.testing.assert_allclose(shown, fresh, rtol=1e-5)
+    assert not asked[1:].any()
 
 
 def test_a_sensor_of_section_forces_follows_what_is_changed_after_a_run(mbs, add_pendulum, solve):

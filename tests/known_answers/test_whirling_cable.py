@@ -12,7 +12,7 @@ from numpy.polynomial.legendre import Legendre
 
 from exudyn_inext.cable.cable import Section
 from exudyn_inext.cable.linked_cable import cable_system
-from exudyn_inext.cable.section_forces import SolvedState, section_forces
+from exudyn_inext.cable.section_forces import SectionPoints, SolvedState, section_forces
 from exudyn_inext.system import index_reduced_rates
 from tests.cables import State, hermite, straight_cable
 from tests.known_answers.vibrations import natural_frequencies, sampled_frequency
@@ -39,7 +39,7 @@ def tension(state, points):
         state.q, state.v, a.reshape(state.q.shape), system.chain.elements["multiplier"][:, 0]
     )
     no_load = np.zeros(state.cable.dimension)
-    return section_forces(state.cable, system.chain, solved, no_load, points).tension
+    return section_forces(SectionPoints(state.cable, points), system.chain, solved, no_load).tension
 
 
 @pytest.mark.parametrize("dim", [2, 3])

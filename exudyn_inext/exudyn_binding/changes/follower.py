@@ -137,7 +137,7 @@ class ChangeFollower:
         items = [key for key, it in asked.items() if it and key not in weights]
         if not _have_begun(runs) or any(asked[key] > Demand.BEGIN for key in items):
             return False
-        forget_evaluators(self.sensors)
+        forget_evaluators(self.sensors, are_forces=not weights and all(map(_is_force, items)))
         coupled = [run for run in runs if isinstance(run, CoupledRun)]
         if not (_weigh(coupled, weights) and all(run.mover.take_values(items) for run in coupled)):
             return False
