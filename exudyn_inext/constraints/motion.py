@@ -1,6 +1,6 @@
 """A given motion with its first two derivatives, analytic or by differences."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -72,6 +72,29 @@ def differences_and_side(function: Function, t: float) -> tuple[Array, int]:
         values = np.array([_beside(function, t + k * side * STEP) for k in range(5)])
         weights = _AHEAD * [[side], [1.0]]
     return np.concatenate([value[np.newaxis], weights @ (values - value)]), side
+
+
+def many_differences(function: Function, form: Callable[[Array], Array], times: Sequence[float]) -> Array:
+    """(T, 3, n) `differences` of t -> form(function(t)) at many times [s].
+
+    form: (..., m) -> (..., n), for many values at once.
+    """
+
+    def one(t: float) -> Array:
+        return form(np.asarray(function(t), dtype=float))
+
+    try:
+        values = np.array([[function(t + k * STEP) for k in _PLACES] for t in times], dtype=float)
+    except Exception:
+        return np.array([differences(one, t) for t in times])
+    values = form(values)
+    value = values[:, 2:3]
+    is_inside = np.isfinite(values).all(axis=(1, 2))
+    is_inside &= ((values[:, 1] == value[:, 0]) == (values[:, 3] == value[:, 0])).all(axis=1)
+    found = np.concatenate([value, _CENTRAL @ (values - value)], axis=1)
+    for k in np.flatnonzero(~is_inside).tolist():
+        found[k] = differences(one, times[k])
+    return found
 
 
 def _around(function: Function, t: float) -> Array:

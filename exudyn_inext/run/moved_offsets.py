@@ -47,4 +47,5 @@ class MovedOffsets:
         """(T, 3 k) as `at`, at all of them."""
         if len(times) == 1:
             return self.at(times[0])[np.newaxis]
-        return np.array([self.at(t) for t in times]).reshape(len(times), len(self._steady))
+        left: Array = np.maximum(self._end - np.array(times), 0.0)
+        return left[:, np.newaxis] * self._rates + self._steady

@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from exudyn_inext.constraints.motion import jump_of_velocity, motion_of, require_smooth
+from exudyn_inext.constraints.motion import (
+    differences,
+    jump_of_velocity,
+    many_differences,
+    motion_of,
+    require_smooth,
+)
 from exudyn_inext.errors import InputError
 
 pytestmark = pytest.mark.kernel
@@ -119,3 +125,21 @@ def test_differences_are_exact_up_to_the_fourth_power(side):
     assert velocity == pytest.approx(sum(k * c * T ** (k - 1) for k, c in enumerate(coefficients)), abs=1e-10)
     expected = sum(k * (k - 1) * c * T ** (k - 2) for k, c in enumerate(coefficients))
     assert acceleration == pytest.approx(expected, abs=1e-4 if side else 1e-6)
+
+
+def ramp(t):
+    return [max(t - 1.0, 0.0) ** 2, max(t - 1.0, 0.0)]
+
+
+def until_one(t):
+    if t > 1.0:
+        raise ValueError("the table ends")
+    return p(t)
+
+
+@pytest.mark.parametrize("function", [p, ramp, until_one], ids=lambda one: one.__name__)
+def test_differences_at_many_times_are_those_at_each(function):
+    times = [0.3, 1.0, 1.0 + 1e-5, 1.4] if function is not until_one else [0.3, 1.0 - 1e-5, 1.0]
+    found = many_differences(function, np.square, times)
+    expected = [differences(lambda t: np.square(function(t)), t) for t in times]
+    np.testing.assert_allclose(found, expected, atol=1e-7)

@@ -9,7 +9,7 @@ import numpy as np
 from exudyn.rigidBodyUtilities import RotXYZ2RotationMatrix
 
 from ...arrays import Array, collected
-from ...constraints.motion import differences, motion_of
+from ...constraints.motion import many_differences, motion_of
 from ...items.attach.clamp_to_body import Clamp
 from ...items.attach.shared_node import SameSlope
 from ...items.functions_of_time import is_driven, is_of_time_alone, python_function
@@ -84,17 +84,18 @@ class TurnedFrame:
     def values(self, times: Sequence[float]) -> Array:
         """(T, 3, 12) at these times [s]: o, then x, y, z of each axis, with their derivatives."""
         if list(times) != self._known[0]:
-            self._known = list(times), np.array([differences(self._at, t) for t in times]).reshape(-1, 3, 12)
+            self._known = list(times), many_differences(self._offsets, self._turned, times)
         return self._known[1]
 
     def part(self, which: int, times: Sequence[float]) -> Array:
         """(T, 3) of one of the numbers, 0 to 11."""
         return self.values(times)[:, :, which]
 
-    def _at(self, t: float) -> Array:
-        offsets = np.asarray(self._offsets(t), dtype=float)
-        turned = self._axes @ RotXYZ2RotationMatrix(offsets[3:])
-        return np.concatenate([offsets[:3], turned.T.ravel()])
+    def _turned(self, offsets: Array) -> Array:
+        """(..., 6) o and a -> (..., 12) o, and the axes one after the other."""
+        rotations = RotXYZ2RotationMatrix(np.moveaxis(offsets[..., 3:], -1, 0))  # (3, 3, ...)
+        axes = np.einsum("ij,jk...->...ki", self._axes, rotations).reshape(*offsets.shape[:-1], 9)
+        return np.concatenate([offsets[..., :3], axes], axis=-1)
 
 
 class KnownRows(NamedTuple):
