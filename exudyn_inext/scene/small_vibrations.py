@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy
 
 from ..arrays import Array
 from ..called_system import Bound
@@ -320,7 +319,6 @@ def _rightmost(matrix: Array, norm: float) -> tuple[float, float, Array]:
 
     norm: of the next vector.
     """
-    real, imaginary, _, vectors, _ = scipy.linalg.lapack.dgeev(matrix, compute_vl=0)
-    which = int(np.argmax(real))  # the first one of a complex pair, whose vector has two columns
-    last = vectors[-1, which : which + 2] if imaginary[which] else vectors[-1, which : which + 1]
-    return float(real[which]), norm * math.hypot(*last), vectors[:, which]
+    values, vectors = np.linalg.eig(matrix)
+    which = int(np.argmax(values.real))
+    return float(values[which].real), norm * float(abs(vectors[-1, which])), vectors[:, which].real
