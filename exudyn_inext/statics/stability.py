@@ -20,7 +20,7 @@ def smallest_eigenvalue(potential: StaticSystem, q: Array, multipliers: Array) -
     """Of the Hessian on the constraints' null space, over the mass [1/s^2], and its vector (n_dof,).
 
     Lanczos iteration with the inverse, orthogonalised: if some eigenvalues are negative, the one nearest
-    to zero of these.
+    to zero of those that are no round-off of something indifferent.
     """
     hessian, jacobian = potential.hessian(q, multipliers), potential.jacobian(q)
     hessian = 0.5 * (hessian + hessian.T)  # of torques it is not symmetric
@@ -49,10 +49,13 @@ def smallest_eigenvalue(potential: StaticSystem, q: Array, multipliers: Array) -
             before, (values, vectors) = values, scipy.linalg.eigh(reduced[: row + 1, : row + 1], lower=True)
             if len(before) and _are_settled(before, values):
                 break
-    lowest, highest = (vectors[:, k] @ basis[: len(values)] for k in (0, -1))
-    if values[0] < -NEGLIGIBLE * abs(values).max() and lowest @ (hessian @ lowest) < 0.0:
-        return float(1.0 / values[0]), lowest
-    return float(1.0 / values[-1]), highest
+    modes = vectors.T @ basis[: len(values)]
+    negative = np.flatnonzero(values < -NEGLIGIBLE * abs(values).max())
+    unstable = negative[values[negative] * potential.indifferent < 1.0]
+    for k in (*unstable, *negative[:1]):  # round-off of a free turn, nearest to zero, hides no other one
+        if modes[k] @ (hessian @ modes[k]) < 0.0:
+            return float(1.0 / values[k]), modes[k]
+    return float(1.0 / values[-1]), modes[-1]
 
 
 def round_off(potential: StaticSystem, q: Array, multipliers: Array) -> float:

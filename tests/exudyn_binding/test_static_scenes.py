@@ -696,14 +696,15 @@ def test_a_body_by_angles_that_is_free_to_turn_below_a_cable_comes_to_rest():
 
 @pytest.mark.parametrize("stiffness", [1e9, 1e10])
 def test_round_off_hides_no_inverted_pendulum(stiffness):
-    """Where it is too large to tell, the search refuses."""
+    """Nor does it hide the way out, along which a stiff cable may not stretch."""
     b = Builder()
     template = InextensibleCable(massPerLength=0.3, bendingStiffness=0.1, axialStiffness=stiffness)
     pin = {"groundConstraintsStart": [True] * 3 + [False] * 3, "dimension": 3}
-    CreateInextensibleCable(b.mbs, [0, 0, 0], [0, 0, 1], 8, template, b.gravity, **pin)
+    cable = CreateInextensibleCable(b.mbs, [0, 0, 0], [0, 0, 1], 8, template, b.gravity, **pin)
     b.mbs.Assemble()
-    with pytest.raises(EquilibriumError, match="no stable equilibrium"):
-        SolveEquilibrium(b.mbs)
+    SolveEquilibrium(b.mbs)
+    tip = b.mbs.GetNodeOutput(cable["nodes"][-1], exudyn.OutputVariableType.Position)
+    np.testing.assert_allclose(tip, [0.0, 0.0, -1.0], atol=1e-6)
 
 
 def test_a_scene_far_from_the_origin_comes_to_rest_as_beside_it():
