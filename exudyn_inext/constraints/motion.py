@@ -20,7 +20,7 @@ Function = Callable[[float], Any]
 
 _SCALE = 12.0 * np.array([[STEP], [STEP**2]])
 _CENTRAL = np.array([[1.0, -8.0, 0.0, 8.0, -1.0], [-1.0, 16.0, -30.0, 16.0, -1.0]]) / _SCALE  # of five values
-_AHEAD = np.array([[-25.0, 48.0, -36.0, 16.0, -3.0], [35.0, -104.0, 114.0, -56.0, 11.0]]) / _SCALE
+AHEAD = np.array([[-25.0, 48.0, -36.0, 16.0, -3.0], [35.0, -104.0, 114.0, -56.0, 11.0]]) / _SCALE
 
 
 def motion_of(
@@ -70,7 +70,7 @@ def differences_and_side(function: Function, t: float) -> tuple[Array, int]:
     value, side, weights = values[2], _side(function, t, values), _CENTRAL
     if side:
         values = np.array([_beside(function, t + k * side * STEP) for k in range(5)])
-        weights = _AHEAD * [[side], [1.0]]
+        weights = AHEAD * [[side], [1.0]]
     return np.concatenate([value[np.newaxis], weights @ (values - value)]), side
 
 

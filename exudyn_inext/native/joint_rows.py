@@ -8,7 +8,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..compiled import kernel
-from ..constraints.motion import differences_and_side
+from ..constraints.motion import AHEAD, differences_and_side
+from ..constraints.motion import STEP as STEP_OF_TIME
 from ..scene.coupled_system import Part
 from ..scene.joints import JointBlock, JointTerms
 from .bodies import Quaternion
@@ -17,6 +18,9 @@ from .joint_item import JointItem
 from .sliding_joints import SlidingJoint
 
 STEP = 1e-4  # of differences along the motion [m, -, s]
+# places, in steps, and weights of second differences: between two, or of one side up to the fourth power
+_BETWEEN = np.array([1.0, -1.0]), np.ones(2)
+_BESIDE = np.arange(1.0, 5.0), STEP_OF_TIME**2 * AHEAD[1, 1:]
 
 
 class JointRows:
@@ -145,7 +149,7 @@ class JointRows:
         Args:
             value_at: (t, q) -> c (m,), which brings mbs there; its second difference along the motion is
                 -gamma, Eq. (27), or the difference of its rate where velocities are constrained;
-                of one side where functions of time begin or end.
+                of one side where functions of time begin or end, and exact there up to the fourth power.
         """
         if self.follows_time:
             (value, drift, change), side = differences_and_side(lambda s: value_at(s, q), t)
@@ -155,13 +159,12 @@ class JointRows:
                 return JointTerms(value, drift, change)
         rates = v[: self._places]  # those of first-order states behind them have other units
         step = self._step / max(1.0, float(np.abs(rates).max()))
-        near, far = (side * step, 2.0 * side * step) if side else (step, -step)
-        (at_near, rate_near), (at_far, rate_far) = (
-            (value_at(t + s, self._moved(q, v, s)), self._rates(mbs, v)) for s in (near, far)
-        )
-        gamma = (2.0 * at_near - at_far - value if side else 2.0 * value - at_near - at_far) / step**2
+        places, weights = _BESIDE if side else _BETWEEN
+        times = step * (side or 1.0) * places
+        along = [(value_at(t + s, self._moved(q, v, s)), self._rates(mbs, v)) for s in times.tolist()]
+        gamma = weights @ [value - beside for beside, _ in along] / step**2
         for k, (own, _, _) in enumerate(self._of_rates):
-            gamma[own] = (rate_near[k] - rate_far[k]) / (far - near) - change[own]
+            gamma[own] = (along[0][1][k] - along[1][1][k]) / (times[1] - times[0]) - change[own]
         return JointTerms(value, drift, gamma)
 
     def _rates(self, mbs: Any, v: Array) -> list[Array]:

@@ -54,6 +54,7 @@ from .watch import (
 STEPS_BETWEEN = 1024  # two inspections at most
 FIRST_STEPS = 4  # two inspections, which are further and further apart
 STEPS_WITH_POWER = 32  # at most where damping or supports that move change the energy
+BENT = 0.1  # change of the power's rise, times the square of the time, over the energy, for fewer steps
 STEPS_BETWEEN_CHECKS = 32  # at the velocities, at most; outputs are looked at, too
 CALM = 16.0  # growth of their square since the last inspection that calls for another one
 LENIENCE = 10.0  # of the energy: forces that jump, as those of contact do, have work between two steps
@@ -312,8 +313,11 @@ class CoupledWatch(RunWatch):
         work += 0.5 * float(self._changes[0]) / h**2
         self._changes[:] = 0.0
         motion = self._count_motion(watch, h, state, duration)
-        counted = work, scatter, int(self._counts[_STEPS]), duration
-        trouble = int(self._draw_up(watch, state, self._gravity, *counted))
+        steps, slope = int(self._counts[_STEPS]), float(watch.account["slope"][NOW])
+        trouble = int(self._draw_up(watch, state, self._gravity, work, scatter, steps, duration))
+        bend = abs(float(watch.account["slope"][NOW]) - slope)
+        if bend * duration**2 > BENT * self.turned_over and not self.is_close:
+            self._counts[_MOST] = max(FIRST_STEPS, steps // 2) // 2  # `_begin` doubles it
         if trouble:
             go_back(watch, state)
         else:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import (
     CoordinateConstraint,
+    CoordinateSpringDamperExt,
     DistanceConstraint,
     LoadCoordinate,
     MarkerBodyPosition,
@@ -21,7 +22,13 @@ from exudyn.itemInterface import (
 )
 from exudyn.utilities import InertiaCuboid
 
-from exudyn_inext import CreatePrescribedMotion, DivergenceError, RedundantConstraintError
+from exudyn_inext import (
+    CreatePrescribedMotion,
+    DivergenceError,
+    InextensibleCable,
+    RedundantConstraintError,
+    SolveExplicit,
+)
 from exudyn_inext.integrators import INTEGRATORS
 from exudyn_inext.native.joint_items import read_joints
 from exudyn_inext.scene.joints import JointSolve
@@ -264,41 +271,59 @@ def test_steps_follow_first_order_states_whose_decay_gets_faster(mbs, add_pendul
     assert mbs.systemData.GetODE1Coordinates() == pytest.approx([1.0], abs=1e-3)
 
 
+def hang_on_a_moved_point(mbs, add_cable, along, **arguments):
+    """A mass point whose offset along x follows the time carries a cable; its tip, and markers of that x."""
+    cable = add_cable(mbs, **arguments)
+    point = mbs.CreateMassPoint(mass=2.0, returnDict=True)["nodeNumber"]
+    ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+    markers = [mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=point, coordinate=axis)) for axis in range(3)]
+    for marker, function in zip(markers, (lambda mbs, t, n, offset: along(t), 0, 0), strict=True):
+        mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, marker], offsetUserFunction=function))
+    pair = [mbs.AddMarker(MarkerNodePosition(nodeNumber=n)) for n in (cable["nodes"][0], point)]
+    mbs.AddObject(SphericalJoint(markerNumbers=pair, constrainedAxes=[1, 1, 0]))
+    return cable["nodes"][-1], [ground, markers[0]]
+
+
 def test_a_joint_that_follows_the_time_moves_a_cable_as_a_prescribed_motion_does(
     new_mbs, add_cable, add_sensor, solve
 ):
-    """A mass point that is moved by an offset in time carries the cable's first node."""
-
     def shake(t):
         return 0.2 * (1 - np.cos(4 * t))
 
-    def build(through_a_body):
-        mbs = new_mbs()
-        cable = add_cable(mbs, numberOfElements=3)
-        if through_a_body:
-            point = mbs.CreateMassPoint(mass=1.0, referencePosition=[0, 0, 0], returnDict=True)["nodeNumber"]
-            ground = mbs.AddMarker(
-                MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0)
-            )
-            for axis in range(3):
-                marker = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=point, coordinate=axis))
-                along = (lambda mbs, t, n, offset: shake(t)) if axis == 0 else 0
-                mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, marker], offsetUserFunction=along))
-            pair = [mbs.AddMarker(MarkerNodePosition(nodeNumber=n)) for n in (cable["nodes"][0], point)]
-            mbs.AddObject(SphericalJoint(markerNumbers=pair, constrainedAxes=[1, 1, 0]))
-        else:
-            CreatePrescribedMotion(mbs, cable["nodes"][0], lambda t: [shake(t), 0.0])
-        sensor = add_sensor(mbs, cable["nodes"][-1])
-        mbs.Assemble()
-        return mbs, sensor
-
     found = []
     for through_a_body in (True, False):
-        mbs, sensor = build(through_a_body)
+        mbs = new_mbs()
+        if through_a_body:
+            tip, _ = hang_on_a_moved_point(mbs, add_cable, shake, numberOfElements=3)
+        else:
+            cable = add_cable(mbs, numberOfElements=3)
+            CreatePrescribedMotion(mbs, cable["nodes"][0], lambda t: [shake(t), 0.0])
+            tip = cable["nodes"][-1]
+        sensor = add_sensor(mbs, tip)
+        mbs.Assemble()
         solve(mbs, 0.5, stepSize=2e-3)
         found.append(trajectory(mbs, sensor))
     assert np.abs(found[0][-1, 1:] - found[0][0, 1:]).max() > 0.5
     np.testing.assert_allclose(found[0], found[1], atol=1e-7)
+
+
+@pytest.mark.parametrize("is_compiled", [True, False])
+def test_a_quick_ramp_from_rest_is_compiled_and_its_work_known(mbs, add_cable, is_compiled):
+    """One of fifth order by 0.3 m within 0.1 s: its third derivative jumps where the run begins."""
+
+    def ramp(t):
+        x = min(max(t / 0.1, 0.0), 1.0)
+        return 0.3 * x**3 * (10 - 15 * x + 6 * x**2)
+
+    section = InextensibleCable(massPerLength=0.2, bendingStiffness=0.02)
+    rope = {"numberOfElements": 6, "positionEnd": [0, -1, 0], "beamTemplate": section}
+    _, markers = hang_on_a_moved_point(mbs, add_cable, ramp, **rope)
+    if not is_compiled:
+        mbs.AddObject(CoordinateSpringDamperExt(markerNumbers=markers, stiffness=1e-3))
+    mbs.Assemble()
+    report = SolveExplicit(mbs, quiet_settings(1.0, 100, 0.01))
+    assert ("in one compiled call" in report["path"]) == is_compiled
+    assert report["drift"]["energyGain"] < 1e-3
 
 
 def test_multipliers_of_joints_are_shown_to_sensors(mbs, add_pendulum, solve):
