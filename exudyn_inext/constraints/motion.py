@@ -40,8 +40,10 @@ def motion_of(
     def at(t: float) -> Array:
         if velocity is None:
             values = differences(position, t)
-        else:
+        elif acceleration is None:
             values = np.array([_vector(position(t)), *differences(velocity, t)[:2]])
+        else:
+            values = np.array([_vector(position(t)), *[_vector(velocity(t))] * 2])
         if acceleration is not None:
             values[2] = acceleration(t)
         values.flags.writeable = False

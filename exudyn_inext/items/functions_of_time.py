@@ -60,6 +60,11 @@ def is_driven(user_function: Any) -> bool:
     return bool(user_function) and getattr(user_function["function"], "is_driven", False)
 
 
+def acceleration_of(user_function: Any) -> Callable[[float], float] | None:
+    """Of a constraint at velocity level: t [s] -> [m/s^2], if it is known; else None."""
+    return user_function["function"].acceleration if is_driven(user_function) else None
+
+
 def is_of_time_alone(mbs: Any, user_function: Any) -> bool:
     """Whether a user function, as Exudyn gives it, is said to be so, or can be seen to be.
 

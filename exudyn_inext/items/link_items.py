@@ -9,7 +9,7 @@ from ..cable.link import Motion, rest
 from ..constraints.motion import motion_of
 from ..scene.links import MovingCoordinate, Rod
 from ..scene.model import HeldCoordinate
-from .functions_of_time import is_driven, is_of_time_alone, python_function
+from .functions_of_time import acceleration_of, is_driven, is_of_time_alone, python_function
 from .on_ground import markers_of, node_marker_to_ground, point_on_ground
 
 _POSITION_MARKERS = {"NodePosition", "NodeRigid"}
@@ -77,6 +77,7 @@ def _motion(mbs: Any, number: int, data: dict[str, Any], reference: float) -> Mo
     return motion_of(
         lambda t: reference + function(mbs, t, number, offset),
         None if rate is None else lambda t: rate(mbs, t, number, offset),
+        acceleration_of(given[0]),
         is_pure=all(is_of_time_alone(mbs, one) for one in given if one),
         is_driven=is_driven(given[0]),
     )

@@ -94,7 +94,8 @@ class Drive:
             return self.velocity(t)
 
         place.of_time_alone = velocity.of_time_alone = True  # type: ignore[attr-defined]
-        place.period, place.is_driven = self.period, True  # type: ignore[attr-defined]
+        place.is_driven, place.period = True, self.period  # type: ignore[attr-defined]
+        place.acceleration = None if self.rate else _at_rest  # type: ignore[attr-defined]
         velocity.given = self.given["offsetUserFunction_t"]  # type: ignore[attr-defined]  # counts in restart files
         return dict(zip(_FUNCTIONS, (place, velocity), strict=True))
 

@@ -12,7 +12,7 @@ from ...arrays import Array, collected
 from ...constraints.motion import many_differences, motion_of
 from ...items.attach.clamp_to_body import Clamp
 from ...items.attach.shared_node import SameSlope
-from ...items.functions_of_time import is_driven, is_of_time_alone, python_function
+from ...items.functions_of_time import acceleration_of, is_driven, is_of_time_alone, python_function
 from ...multibody.build import FunctionOfTime
 from ...multibody.rows import ACROSS, ALONG, DIFFERENCE, DISTANCE, PARALLEL, ROLLING, ROW
 from ...multibody.sliding import SLIDER, NoSliders, Sliders
@@ -209,7 +209,10 @@ def _sliding(joint: SlidingJoint, reader: PointReader) -> tuple[list[Any], Any]:
 def _offset_function(mbs: Any, joint: JointItem, data: dict[str, Any]) -> FunctionOfTime:
     value, rate = (_of_time(mbs, joint, data[key], float(data["offset"])) for key in _OFFSET_FUNCTIONS)
     assert value is not None
-    return partial(_offsets_at, motion_of(value, rate, is_driven=is_driven(data[_OFFSET_FUNCTIONS[0]])).at)
+    offset = data[_OFFSET_FUNCTIONS[0]]
+    return partial(
+        _offsets_at, motion_of(value, rate, acceleration_of(offset), is_driven=is_driven(offset)).at
+    )
 
 
 def _offsets_at(at: Callable[[float], Array], times: Sequence[float]) -> Array:
