@@ -209,6 +209,8 @@ def torsional_spring(b):
 
 def springs_that_count_turns(b):
     """One has turned three times before the run."""
+    if b.mbs.NumberOfGeneralContacts():  # beside which Exudyn evaluates them
+        return
     law = {"stiffness": 0.01, "damping": 0.002, "offset": 0.1}
     for pair, start in [((b.rigid(0), b.rigid(1)), 20.0), ((b.rigid(None), b.rigid(1)), 0.0)]:
         turns = b.mbs.AddNode(NodeGenericData(initialCoordinates=[start], numberOfDataCoordinates=1))
