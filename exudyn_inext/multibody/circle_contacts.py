@@ -73,7 +73,7 @@ SEGMENT = record_type(
 
 
 class Contacts(NamedTuple):
-    """records, ends, segments: of all contacts.   data: (2, D) NOW and START.
+    """records, ends, segments: of all contacts.   data: (2, D) NOW and START, those of connectors, too.
 
     history: (intervals, D) output: data at the ends of intervals.
     sums: see `native.friction_check`.   steps: (1,) since the beginning.

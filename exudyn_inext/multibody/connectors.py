@@ -3,12 +3,16 @@
 SPRING     along the distance, k (L - L_0) + d (L_t - v_0) + f
 CARTESIAN  in the global frame, K (d - o) + D d_t
 SIX        in the frame of the first point: distances and angles about x, y and z
+
+An angle about z with a place among the data of a scene goes on from the last one that these keep, beyond half
+a turn: see Exudyn's ObjectConnectorTorsionalSpringDamper with a nodeNumber.
 """
 
 import numpy as np
 
 from ..arrays import record_type
 from ..compiled import inlined
+from .circle_contacts import NOW
 from .points import add_wrench, angle_about
 
 SPRING, CARTESIAN, SIX = range(3)
@@ -17,6 +21,7 @@ CONNECTOR = record_type(
     [
         ("kind", np.int64),
         ("points", np.int64, (2,)),
+        ("place", np.int64),  # of its last angle about z among the data of the scene; -1: it keeps none
         ("stiffness", np.float64, (6, 6)),
         ("damping", np.float64, (6, 6)),
         ("offset", np.float64, (6,)),
@@ -65,6 +70,16 @@ def _stretch_in_frame(connector, one, other):
 
 
 @inlined
+def _count_turns(connector, data, settles):
+    """The angle about z that is nearest to the last one.   settles: whether it becomes the last one."""
+    around = 2.0 * np.pi
+    turns = np.floor((data[NOW, connector.place] - connector.stretch[5]) / around + 0.5)
+    connector.stretch[5] += turns * around
+    if settles:
+        data[NOW, connector.place] = connector.stretch[5]
+
+
+@inlined
 def _apply_law(connector):
     """Into the wrench, in the frame of the law."""
     for i in range(6):
@@ -101,13 +116,15 @@ def _set_spring_force(connector, one, other):
 
 
 @inlined
-def _set_wrench(connector, one, other):
+def _set_wrench(connector, one, other, data, settles):
     """What the points pull each other with."""
     if connector.kind == SPRING:
         _set_spring_force(connector, one, other)
         return
     if connector.kind == SIX:
         _stretch_in_frame(connector, one, other)
+        if connector.place >= 0:
+            _count_turns(connector, data, settles)
     else:
         for i in range(3):
             connector.stretch[i] = other.x[0, i] - one.x[0, i]
@@ -118,11 +135,14 @@ def _set_wrench(connector, one, other):
 
 
 @inlined
-def add_connectors(connectors, points, force):
-    """Add the generalised forces of all connectors to force (n,); the points are placed and move."""
+def add_connectors(connectors, points, data, settles, force):
+    """Add the generalised forces of all connectors to force (n,); the points are placed and move.
+
+    data: see `Contacts`.   settles: whether they are brought up to date.
+    """
     for c in range(len(connectors)):
         connector = connectors[c]
         one, other = points[connector.points[0]], points[connector.points[1]]
-        _set_wrench(connector, one, other)
+        _set_wrench(connector, one, other, data, settles)
         add_wrench(one, connector.wrench, 1.0, force)
         add_wrench(other, connector.wrench, -1.0, force)

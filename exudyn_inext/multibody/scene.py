@@ -151,8 +151,8 @@ def act(items, functions, q, v, a):
     _place(items, q, v)
     for i in range(len(items.force)):
         items.force[i] = items.given[i]
-    add_connectors(items.connectors, items.points, items.force)
     settles = items.counting[MODE] == EACH or items.counting[MODE] == SETTLING
+    add_connectors(items.connectors, items.points, items.contacts.data, settles, items.force)
     add_contacts(items.contacts, items.points, q, v, a, settles, items.force)
     add_loads(items.loads, items.points, functions, items.force)
     move_rows(items.joints.rows, functions)
@@ -160,7 +160,7 @@ def act(items, functions, q, v, a):
 
 @protocol
 def settle_contacts(contacts, items, q, v):
-    """Bring the data of contacts up to date with a state (q, v) at the end of a step."""
+    """Bring the data of contacts and connectors up to date with a state (q, v) at the end of a step."""
 
 
 has_nothing(NoContacts, settle_contacts)
@@ -169,6 +169,7 @@ has_nothing(NoContacts, settle_contacts)
 @implements(settle_contacts, Contacts)
 def settle_circle_contacts(contacts, items, q, v):
     _place(items, q, v)
+    add_connectors(items.connectors, items.points, contacts.data, True, items.predicted)
     add_contacts(contacts, items.points, q, v, v, True, items.predicted)
 
 

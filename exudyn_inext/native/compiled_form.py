@@ -113,7 +113,7 @@ def require_agreement(
     random = np.random.default_rng(1) if form.remembers else None
     for number, (at, rates) in enumerate(states):
         if number and random:
-            disturb(contacts, random)
+            disturb(contacts, form.system.items.connectors, random)
         scene.remember(contacts.data)
         settle_general_contact(scene, t, at, rates)
         given = scene.native_items.forces(t, at, rates)[scene.place_of_bodies]

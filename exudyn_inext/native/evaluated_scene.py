@@ -219,6 +219,10 @@ class SceneOfExudyn(EvaluatedScene):
         parts = self.parts_in_one
         return parts.form.energies_of_spins(duration) if parts else np.zeros(self.size)
 
+    @property
+    def fastest_turn(self) -> float:
+        return 0.0
+
     def leave_out_turns(self, way: Array) -> None:
         if self.parts_in_one:
             self.parts_in_one.form.leave_out_turns(way)

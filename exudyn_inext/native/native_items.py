@@ -252,6 +252,14 @@ class NativeItems:
         return np.array(self._data.GetDataCoordinates())
 
     @property
+    def has_contact(self) -> bool:
+        """Whether something may touch: contact, a GeneralContact, or the stops of a spring."""
+        mbs = self._mbs
+        remembering = range(mbs.systemData.NumberOfObjects() if self._data.DataSize() else 0)
+        kinds = {mbs.GetObject(number)["objectType"] for number in remembering}
+        return bool(mbs.NumberOfGeneralContacts()) or any("Contact" in k or k.endswith("Ext") for k in kinds)
+
+    @property
     def depths_of_contacts(self) -> Array | None:
         """(2, D) what they remember: signs, and of what is negative, as in closed contacts, powers of two.
 

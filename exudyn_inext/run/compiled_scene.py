@@ -455,6 +455,12 @@ class CompiledScene:
         """See `EvaluatedScene`."""
         return energies_of_spins(self.system.items.bodies, duration, len(self.system.items.force))
 
+    @property
+    def fastest_turn(self) -> float:
+        """See `EvaluatedScene`."""
+        connectors = self.system.items.connectors
+        return float(np.abs(connectors["rate"][connectors["place"] >= 0, 5]).max(initial=0.0))
+
     def leave_out_turns(self, way: Array) -> None:
         """See `EvaluatedScene`."""
         if self._has_angles:

@@ -35,10 +35,12 @@ from .moving_parts import MOTION, MovingParts
 from .run_watch import RunWatch
 from .watch import (
     LACK_OF_WORK,
+    MOST_TURN,
     NOT_FINITE,
     NOW,
     SMALL,
     THROWN_OFF,
+    TURNED,
     UNSTABLE,
     VIOLENT,
     Watch,
@@ -111,7 +113,7 @@ class CoupledWatch(RunWatch):
         self._places = scene.map.slices
         lengths = [cable.length for run in runs for cable in run.cables]
         self._length = max(lengths, default=0.0)
-        self._has_contact = scene.native_items.remembers
+        self._has_contact, self._remembers = scene.native_items.has_contact, scene.native_items.remembers
         self._parts = self._moving_parts(len(state.q))
         self.take_constants(state.q)
         self._energy_tolerance = energy_tolerance
@@ -226,6 +228,8 @@ class CoupledWatch(RunWatch):
             return self._condemn(state, UNSTABLE, excess)
         if self._has_contact and (thrown := self._thrown(t, h, state)) and not self.bears_throws:
             return self._condemn(state, THROWN_OFF, thrown)
+        if self._remembers and (turned := h * self._evaluated.fastest_turn) > MOST_TURN:
+            return self._condemn(state, TURNED, turned)
         few = self._counts[_STEPS] < self._counts[_MOST] and not (self.is_close or at_once)
         if few and check_velocities(state.q, state.v, state.a) <= self._calm:
             return True

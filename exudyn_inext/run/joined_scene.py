@@ -31,6 +31,10 @@ class EvaluatedScene(Protocol):
         duration: of the run [s].
         """
 
+    @property
+    def fastest_turn(self) -> float:
+        """Largest rate of springs that count turns, at the last evaluation [rad/s]; 0 where Exudyn does."""
+
     def leave_out_turns(self, way: Array) -> None:
         """Take whole turns off the angles of bodies in space, in place.   way: (n,)."""
 

@@ -16,10 +16,12 @@ from .watch import (
     LACK_OF_WORK,
     LARGEST_JUMP,
     LARGEST_VIOLATION,
+    MOST_TURN,
     NOT_FINITE,
     NOW,
     THROWN_OFF,
     TOO_FAST,
+    TURNED,
     UNSTABLE,
     Watch,
 )
@@ -190,6 +192,11 @@ class RunWatch:
             )
         if account.trouble == THROWN_OFF:
             return f"contact throws a body off at {account.error:.3g} m/s, faster than it came, within a step"
+        if account.trouble == TURNED:
+            return (
+                f"a spring that counts turns is turned by {account.error:.3g} rad within a step "
+                f"(limit {MOST_TURN:.3g} rad)"
+            )
         if account.trouble == JUMP:
             return (
                 f"its energy jumps by more than {LARGEST_JUMP * watch.tolerance:.2%} of the energy of its "

@@ -35,7 +35,8 @@ from ..integrators.integrator import FACTOR, FIRST, LAST, PROJECTION, SUM, LoadH
 from ..system import ELASTIC, KINETIC, POWER, REPORTED, RESOLVED, VIOLATION, report_energy
 
 NOW, KEPT, FAILED = range(3)  # accounts
-ALL_IS_WELL, NOT_FINITE, CONSTRAINTS, ENERGY, JUMP, TOO_FAST, LACK_OF_WORK, UNSTABLE, THROWN_OFF = range(9)
+ALL_IS_WELL, NOT_FINITE, CONSTRAINTS, ENERGY, JUMP, TOO_FAST = range(6)
+LACK_OF_WORK, UNSTABLE, THROWN_OFF, TURNED = range(6, 10)
 
 STEPS_BETWEEN = 160  # inspections of a run whose energy only forces change
 STEPS_WITH_POWER = 80  # of one with damping, drag, or supports that move, at most
@@ -44,6 +45,7 @@ BENT, STRAIGHT = 0.2, 0.05  # change of the power's rise, over its largest value
 LARGEST_VIOLATION = 0.05  # of |r_x|^2 = 1 [-], and of lengths, relative
 LARGEST_JUMP = 1.0  # of the energy between two inspections, times the tolerance
 VIOLENT = 30.0  # times the tolerance: what a scheme that gains energy may gain altogether
+MOST_TURN = 0.5 * np.pi  # in a step [rad], of a spring that counts turns
 MOTION = 1e-3  # times the bound of the energy's round-off: less is none
 SAMPLED = 20.0  # phase [rad] up to which inspections are at most 1 rad apart
 BEGINNING = 10.0  # phase [rad] of the motion before which its frequency is not known

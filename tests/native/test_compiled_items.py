@@ -207,6 +207,16 @@ def torsional_spring(b):
         b.mbs.AddObject(TorsionalSpringDamper(markerNumbers=list(pair), **frames, **law))
 
 
+def springs_that_count_turns(b):
+    """One has turned three times before the run."""
+    if b.mbs.NumberOfGeneralContacts():  # beside which Exudyn evaluates them
+        return
+    law = {"stiffness": 0.01, "damping": 0.002, "offset": 0.1}
+    for pair, start in [((b.rigid(0), b.rigid(1)), 20.0), ((b.rigid(None), b.rigid(1)), 0.0)]:
+        turns = b.mbs.AddNode(NodeGenericData(initialCoordinates=[start], numberOfDataCoordinates=1))
+        b.mbs.AddObject(TorsionalSpringDamper(markerNumbers=list(pair), nodeNumber=turns, **law))
+
+
 def torsional_spring_at_a_node(b):
     """In the plane, a node of a cable has a frame."""
     if b.dimension == 2:
@@ -569,6 +579,7 @@ KINDS = [
     cartesian_spring,
     rigid_body_spring,
     torsional_spring,
+    springs_that_count_turns,
     torsional_spring_at_a_node,
     beside_the_cable,
     fixed_beside_the_cable,

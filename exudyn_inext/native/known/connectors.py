@@ -37,9 +37,8 @@ def read_connector(data: dict[str, Any], number: int, reader: PointReader) -> Kn
     if data["objectType"] not in _READERS:
         raise UnknownItemError(name)
     require_no_functions(data, name)
-    if data.get("nodeNumber", -1) not in (-1, None) and int(data["nodeNumber"]) >= 0:
-        raise UnknownItemError(f"{name} with a node of its own")
     record = np.zeros(1, CONNECTOR)[0]
+    record["place"] = reader.place_of_turns(data, number)
     places = [reader.marker(k) for k in data["markerNumbers"]]
     record.points[:] = [place.point for place in places]
     of_values = record.copy()

@@ -23,6 +23,7 @@ _NAMES = {
     "friction_stiffness": "frictionStiffness",
     "viscosity": "frictionVelocityPenalty",
 }
+TURNED = 20.0  # angle of springs at random, at most [rad]
 
 
 class ContactReader:
@@ -76,16 +77,20 @@ class ContactReader:
             self._weights_of[segments, length] = _weights(segments, length)
         self._weights.append(self._weights_of[segments, length])
 
-    def contacts(self, sums: Array) -> Any:
-        """All of them, as they are at the start of a run.   sums: (checked, 4) memory, see `Contacts`."""
-        if not self._records:
+    def contacts(self, sums: Array, others: bool) -> Any:
+        """All of them, as they are at the start of a run.
+
+        sums: (checked, 4) memory, see `Contacts`.   others: whether connectors have data.
+        """
+        if not (self._records or others):
             return NoContacts()
         ends = np.zeros(sum(map(len, self._weights)), END)
-        ends["weights"] = np.concatenate(self._weights).transpose(0, 2, 1)
+        if self._records:
+            ends["weights"] = np.concatenate(self._weights).transpose(0, 2, 1)
         segments = np.zeros(self._segments, SEGMENT)
         data = np.array([self._mbs.systemData.GetDataCoordinates(exudyn.ConfigurationType.Initial)] * 2)
         records = np.zeros(len(self._records), CONTACT)
-        for field in self._records[0]:
+        for field in self._records[0] if self._records else ():
             records[field] = [one[field] for one in self._records]
         return Contacts(records, ends, segments, data, data[:1].copy(), sums, np.zeros(1, np.int64))
 
@@ -96,9 +101,11 @@ def _weights(segments: int, length: float) -> Array:
     return np.stack([shape_functions(xi, length), first_derivatives(xi, length)]).T
 
 
-def disturb(contacts: Any, random: np.random.Generator) -> None:
-    """Let data be those of random contacts, each with a segment that touches, wherever it is."""
+def disturb(contacts: Any, connectors: Any, random: np.random.Generator) -> None:
+    """Let data be those of random contacts, each with a segment that touches, wherever it is, and turns."""
     records = contacts.records
+    turning = connectors["place"][connectors["place"] >= 0]
+    contacts.data[:, turning] = random.uniform(-TURNED, TURNED, len(turning))
     names = ("place", "segments", "has_friction", "radius")
     for place, segments, has_friction, radius in zip(
         *(records[name].tolist() for name in names), strict=True

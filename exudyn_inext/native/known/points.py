@@ -96,6 +96,14 @@ class PointReader:
         point["x"][0], point["orientation"][:] = position, orientation
         return self._add(point, has_frame=has_frame)
 
+    def place_of_turns(self, data: dict[str, Any], number: int) -> int:
+        """Of the angle that a torsional spring remembers; -1: it does not, nor do others."""
+        if int(data.get("nodeNumber", -1)) < 0:
+            return -1
+        if data["objectType"] != "ConnectorTorsionalSpringDamper":
+            raise UnknownItemError(f"{described(data, number)} with a node of its own")
+        return int(self._mbs.systemData.GetObjectLTGData(number)[0])
+
     def is_placeable(self, number: int) -> bool:
         """Whether `place_again` may be asked for a marker, or nothing depends on it."""
         known = self._known.get(number)

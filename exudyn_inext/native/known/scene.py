@@ -69,12 +69,12 @@ def read_known_items(
         for number in range(mbs.systemData.NumberOfLoads()):
             items.add_load(number)
     springs, loads = collected(CONNECTOR, items.connectors), collected(LOAD, items.loads)
-    contacts = touching.contacts(scene.friction.sums)
+    contacts = touching.contacts(scene.friction.sums, bool((springs["place"] >= 0).any()))
     evaluate = scene.native_items.evaluate
     general = read_general_contacts(mbs, reader, moved, evaluate) if has_forces else None
     if general is not None:
-        if len(contacts.records):
-            raise UnknownItemError("GeneralContact beside other contact of cables")
+        if contacts.data.size:
+            raise UnknownItemError("GeneralContact beside what keeps data: circles, or springs that turn")
         contacts = general
     known = records, reader.records, sliders, rows, springs, loads, contacts, functions
     return KnownItems(*known), items
