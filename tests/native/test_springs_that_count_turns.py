@@ -15,7 +15,10 @@ KINDS = exudyn.OutputVariableType.Rotation, exudyn.OutputVariableType.TorqueLoca
 
 
 def rotor(mbs, dimension, cable=True, spin=0.0, torque=0.35):
-    """Assemble a rotor on the ground, on whose axis a cable hangs: spring, sensors of angle and torque."""
+    """Assemble a rotor on the ground, on whose axis a cable hangs: spring, sensors of angle and torque.
+
+    dimension: of the rotor; the cable lies in the plane.
+    """
     planar = {"create2D": True} if dimension == 2 else {}
     inertia = InertiaCuboid(1000, [0.1, 0.1, 0.1])
     body = mbs.CreateRigidBody(inertia=inertia, initialAngularVelocity=[0, 0, spin], **planar)
@@ -26,10 +29,10 @@ def rotor(mbs, dimension, cable=True, spin=0.0, torque=0.35):
     spring = mbs.CreateTorsionalSpringDamper(**hinge, axis=[0, 0, 1], **law)
     mbs.CreateTorque(itemNumber=body, loadVector=[0, 0, torque])
     if cable:
-        made = add_pendulum(mbs, dimension=dimension, numberOfElements=4, groundConstraintsStart=None)
+        made = add_pendulum(mbs, numberOfElements=4, groundConstraintsStart=None)
         pair = MarkerBodyPosition(bodyNumber=body), MarkerNodePosition(nodeNumber=made["nodes"][0])
         ends = [mbs.AddMarker(marker) for marker in pair]
-        mbs.AddObject(SphericalJoint(markerNumbers=ends, constrainedAxes=[1, 1, dimension - 2]))
+        mbs.AddObject(SphericalJoint(markerNumbers=ends, constrainedAxes=[1, 1, 0]))
     read = {"objectNumber": spring, "storeInternal": True}
     sensors = [mbs.AddSensor(SensorObject(**read, outputVariableType=kind)) for kind in KINDS]
     mbs.Assemble()

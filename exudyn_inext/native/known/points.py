@@ -97,7 +97,11 @@ class PointReader:
         return self._add(point, has_frame=has_frame)
 
     def place_of_turns(self, data: dict[str, Any], number: int) -> int:
-        """Of the angle that a torsional spring remembers; -1: it does not, nor do others."""
+        """Of the angle that a torsional spring remembers; -1: it has no node, nor have others.
+
+        Raises:
+            UnknownItemError: another object has a node of its own.
+        """
         if int(data.get("nodeNumber", -1)) < 0:
             return -1
         if data["objectType"] != "ConnectorTorsionalSpringDamper":
