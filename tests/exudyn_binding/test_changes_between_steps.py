@@ -450,7 +450,6 @@ AMONG_OTHERS = [
     driven_mass,
     mass_driven_at_a_speed,
     ground_that_turns,
-    steered_joint,
     mass_that_grows,
 ]
 KINDS = [*ALONE, *AMONG_OTHERS]
@@ -480,6 +479,15 @@ def name_of(kind):
 def test_a_pre_step_function_changes_the_motion_as_under_the_implicit_solver(kind, dim):
     ours = moved(kind, False, dim=dim)
     assert deviation(ours.motion, native_motion(kind, dim)) < 0.01
+    assert ours.report["drift"]["energyGain"] < 0.003
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_so_does_one_that_steers_a_joint(dim):
+    ours, native = (
+        moved(steered_joint, native, end_time=0.2, step=2e-3, dim=dim) for native in (False, True)
+    )
+    assert deviation(ours.motion, native.motion) < 0.01
     assert ours.report["drift"]["energyGain"] < 0.003
 
 

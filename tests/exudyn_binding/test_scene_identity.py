@@ -244,25 +244,26 @@ PRINT_IDENTITY = """
 import json, sys
 sys.path.insert(0, {root!r})
 import exudyn
-from tests.exudyn_binding.many_functions import build
 from exudyn_inext import ExplicitSettings
 from exudyn_inext.exudyn_binding.scene_identity import scene_identity
+sys.pycache_prefix = {compiled!r}
+from tests.exudyn_binding.many_functions import build
 print(json.dumps(scene_identity(build(exudyn.SystemContainer()), ExplicitSettings(), 0.0)))
 """
 
 
 def test_the_identity_is_the_same_in_every_process(tmp_path):
     """With functions of all kinds, other hash seeds, and sources that are compiled anew or not."""
-    script = PRINT_IDENTITY.format(root=str(ROOT))
+    script = PRINT_IDENTITY.format(root=str(ROOT), compiled=str(tmp_path))
     printed = []
     for seed, cached in (("1", ""), ("2", "1")):
         environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONDONTWRITEBYTECODE": cached}
-        environment["PYTHONPYCACHEPREFIX"] = str(tmp_path)
         result = subprocess.run(
             [sys.executable, "-c", script], capture_output=True, text=True, timeout=300, env=environment
         )
         assert result.returncode == 0, result.stderr
         printed.append(result.stdout)
+        assert list(tmp_path.rglob("many_functions*.pyc"))
     assert printed[0] == printed[1]
     assert "0x" not in printed[0] and "UserFunction" in printed[0]
 
