@@ -91,10 +91,8 @@ def many_differences(function: Function, form: Callable[[Array], Array], times: 
         return np.array([differences(one, t) for t in times])
     values = form(values)
     value = values[:, 2:3]
-    is_inside = np.isfinite(values).all(axis=(1, 2))
-    is_inside &= ((values[:, 1] == value[:, 0]) == (values[:, 3] == value[:, 0])).all(axis=1)
     found = np.concatenate([value, _CENTRAL @ (values - value)], axis=1)
-    for k in np.flatnonzero(~is_inside).tolist():
+    for k in np.flatnonzero(~_is_within(values)).tolist():
         found[k] = differences(one, times[k])
     return found
 
@@ -108,13 +106,19 @@ def _around(function: Function, t: float) -> Array:
         return np.array([np.broadcast_to(_beside(function, t + k * STEP), value.shape) for k in _PLACES])
 
 
+def _is_within(values: Array) -> np.ndarray:
+    """(...) whether functions surely neither begin nor end there.   values: (..., 5, n) around that time."""
+    rests = values[..., 1:4:2, :] == values[..., 2:3, :]
+    is_even = (rests[..., 0, :] == rests[..., 1, :]).all(axis=-1)
+    within: np.ndarray = np.isfinite(values).all(axis=(-2, -1)) & is_even
+    return within
+
+
 def _side(function: Function, t: float, values: Array) -> int:
     """1 where it begins, -1 where it ends, 0 in between.   values: (5, n) around t."""
-    is_defined = np.isfinite(values)
-    rests = values[1:4:2] == values[2]
-    if is_defined.all() and (rests[0] == rests[1]).all():
+    if _is_within(values):
         return 0
-    near = np.where(is_defined[::4], values[1:4:2], np.nan)  # a value that ends beyond is none
+    near = np.where(np.isfinite(values[::4]), values[1:4:2], np.nan)  # a value that ends beyond is none
     for side, behind, ahead in ((1, near[0], near[1]), (-1, near[1], near[0])):
         if _begins(function, t, side * STEP, behind, values[2], ahead):
             return side

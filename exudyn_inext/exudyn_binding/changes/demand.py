@@ -23,9 +23,10 @@ _FORCES_OF_TREES = ("gravity", "jointForceVector", "jointPositionOffsetVector", 
 
 
 class Demand(IntEnum):
-    """Nothing; an evaluation; one with other masses; velocities of joints; joints that move; weights; ...
+    """What a run has to do, the more the larger it is.
 
-    ... a scene; other runs.
+    EVALUATE, BEGIN: evaluate, with other masses.   DRIVE, MOVE: joints have other velocities, places.
+    READ, BUILD: read the scene again, build other runs.
     WEIGH: kernels of cables evaluate these weights, which are read with the scene.
     """
 
@@ -74,11 +75,12 @@ def _demand_of_joint(
         return Demand.MOVE
     if key.name not in _PLACES or any(run.holds(key.number) for run in coupled):
         return Demand.BUILD
-    if key.number in own and not is_driven(data.get("offsetUserFunction")):
+    has_velocity = is_driven(data.get("offsetUserFunction"))
+    if key.number in own and not has_velocity:
         return Demand.READ
     if not data["activeConnector"]:
         return Demand.NOTHING
-    if is_driven(data.get("offsetUserFunction")):
+    if has_velocity:
         return Demand.DRIVE
     return Demand.MOVE if all(run.mover.can_move(key.number) for run in coupled) else Demand.BUILD
 
