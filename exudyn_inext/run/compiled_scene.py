@@ -171,6 +171,7 @@ class CompiledScene:
 
     forces: (n,) what the items did to the coordinates at the last evaluation [N, Nm].
     multipliers: (m,) of the joints there.   given: (n,) forces that others set, besides those of the items.
+    history: (intervals, D) what contacts remember after each interval that has begun with `begin_history`.
     """
 
     def __init__(
@@ -198,6 +199,7 @@ class CompiledScene:
         self.forces = system.items.force
         self.multipliers = system.items.joints.multipliers
         self.given = system.items.given
+        self.history = self.contacts.history
 
     def _set(self, system: SceneSystem) -> None:
         self.system = system
@@ -259,7 +261,9 @@ class CompiledScene:
     def begin_history(self, data: Array, intervals: int) -> None:
         """Begin intervals with what contacts remember.   data: (D,)."""
         self.contacts.data[:] = data
-        self._set(_with_history(self.system, np.zeros((intervals, len(data)))))
+        if len(self.contacts.history) < intervals:
+            self._set(_with_history(self.system, np.zeros((intervals, len(data)))))
+        self.history = self.contacts.history[len(self.contacts.history) - intervals :]
 
     def take_over(self, item: ChangedItem) -> bool:
         """Whether the changed item is now what it is in Exudyn; joints that are moved are not looked at."""

@@ -213,7 +213,7 @@ class MovedByKernels(Mover):
     @property
     def _of_contacts(self) -> Array | None:
         """(k, D) data of compiled contacts after the intervals of the last record."""
-        return self._form.contacts.history[: self._recorded] if self._remembers else None
+        return self._form.history[: self._recorded] if self._remembers else None
 
     def complete(self, times: Array, steps: Array, history: Array, multipliers: Array) -> bool:
         """See `CableRun.complete`.   steps: (k,) before the states [s]."""
