@@ -5,7 +5,7 @@
 covers a rod of length L (n = 0), and a coordinate that follows a motion (L infinite).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +22,7 @@ class Motion:
     is_pure: whether `at` depends on nothing but the time, so that it may be asked ahead of time.
     is_smooth: whether it can be differentiated twice; if not, velocities jump between steps.
     given: whether p_t and p_tt are, and not found by differences.
+    at_times: (T,) t [s] -> (T, 3, dim), `at` of many times at once; None: they are asked for one by one.
     """
 
     at: Callable[[float], Array]
@@ -29,6 +30,13 @@ class Motion:
     is_pure: bool = True
     is_smooth: bool = True
     given: tuple[bool, bool] = (True, True)
+    at_times: Callable[[Sequence[float]], Array] | None = None
+
+    def sample(self, times: Sequence[float]) -> Array:
+        """(T, 3, dim) `at` of many times [s]."""
+        if self.at_times is None or len(times) == 1:
+            return np.array([self.at(t) for t in times])
+        return self.at_times(times)
 
 
 def rest(point: Array) -> Motion:

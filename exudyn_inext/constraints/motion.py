@@ -37,21 +37,32 @@ def motion_of(
         is_pure: see `Motion`.   is_driven: whether it may become another one between two steps.
     """
 
-    def at(t: float) -> Array:
+    def at_times(times: Sequence[float]) -> Array:
         if velocity is None:
-            values = differences(position, t)
-        elif acceleration is None:
-            values = np.array([_vector(position(t)), *differences(velocity, t)[:2]])
+            values = many_differences(position, times)
         else:
-            values = np.array([_vector(position(t)), *[_vector(velocity(t))] * 2])
+            rates = (
+                [_given(velocity, times)] * 2 if acceleration else [many_differences(velocity, times)[:, :2]]
+            )
+            values = np.concatenate([_given(position, times), *rates], axis=1)
         if acceleration is not None:
-            values[2] = acceleration(t)
+            values[:, 2:] = _given(acceleration, times)
         values.flags.writeable = False
+        return values
+
+    def at(t: float) -> Array:
+        values: Array = at_times([t])[0]
         return values
 
     if is_pure and not is_driven:
         at = lru_cache(maxsize=2)(at)  # a step asks for the time of its end several times
-    return Motion(at, is_pure=is_pure, given=(velocity is not None, acceleration is not None))
+    given = velocity is not None, acceleration is not None
+    return Motion(at, is_pure=is_pure, given=given, at_times=at_times)
+
+
+def _given(function: Function, times: Sequence[float]) -> Array:
+    """(T, 1, n) its values."""
+    return np.array([[_vector(function(t))] for t in times])
 
 
 def _vector(value: Any) -> Array:
@@ -76,20 +87,24 @@ def differences_and_side(function: Function, t: float) -> tuple[Array, int]:
     return np.concatenate([value[np.newaxis], weights @ (values - value)]), side
 
 
-def many_differences(function: Function, form: Callable[[Array], Array], times: Sequence[float]) -> Array:
+def many_differences(
+    function: Function, times: Sequence[float], form: Callable[[Array], Array] | None = None
+) -> Array:
     """(T, 3, n) `differences` of t -> form(function(t)) at many times [s].
 
-    form: (..., m) -> (..., n), for many values at once.
+    form: (..., m) -> (..., n), for many values at once; None: they are taken as they are.
     """
 
     def one(t: float) -> Array:
-        return form(np.asarray(function(t), dtype=float))
+        value = _vector(function(t))
+        return form(value) if form else value
 
     try:
         values = np.array([[function(t + k * STEP) for k in _PLACES] for t in times], dtype=float)
     except Exception:
         return np.array([differences(one, t) for t in times])
-    values = form(values)
+    values = values.reshape(*values.shape[:2], -1)
+    values = form(values) if form else values
     value = values[:, 2:3]
     found = np.concatenate([value, _CENTRAL @ (values - value)], axis=1)
     for k in np.flatnonzero(~_is_within(values)).tolist():

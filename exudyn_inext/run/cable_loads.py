@@ -154,7 +154,7 @@ class CableLoads:
 
     def _of_motion(self, motion: Motion, times: list[float]) -> Array:
         """(T, 3 dim) p, p_t, p_tt.   SceneError if they are not finite."""
-        values = np.array([motion.at(t).ravel() for t in times])
+        values: Array = motion.sample(times).reshape(len(times), -1)
         if not np.isfinite(values).all():
             bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
             raise SceneError(

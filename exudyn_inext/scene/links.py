@@ -74,8 +74,14 @@ def in_space(coordinate: MovingCoordinate, dim: int) -> MovingCoordinate:
     motion, direction = coordinate.motion, np.eye(dim)[coordinate.axis]
     if motion.at(0.0).shape[1] == dim:
         return coordinate
-    along = replace(motion, at=lambda t: np.multiply.outer(motion.at(t)[:, 0], direction))
-    return replace(coordinate, motion=along)
+
+    def along(values: Array) -> Array:
+        return np.multiply.outer(values[..., 0], direction)
+
+    in_all = replace(
+        motion, at=lambda t: along(motion.at(t)), at_times=lambda times: along(motion.sample(times))
+    )
+    return replace(coordinate, motion=in_all)
 
 
 def require_smooth_motions(moving: list[MovingCoordinate], time: float) -> None:

@@ -140,6 +140,14 @@ def until_one(t):
 @pytest.mark.parametrize("function", [p, ramp, until_one], ids=lambda one: one.__name__)
 def test_differences_at_many_times_are_those_at_each(function):
     times = [0.3, 1.0, 1.0 + 1e-5, 1.4] if function is not until_one else [0.3, 1.0 - 1e-5, 1.0]
-    found = many_differences(function, np.square, times)
+    found = many_differences(function, times, np.square)
     expected = [differences(lambda t: np.square(function(t)), t) for t in times]
     np.testing.assert_allclose(found, expected, atol=1e-7)
+
+
+@pytest.mark.parametrize("given", [(), (p_t,), (p_t, p_tt), (None, p_tt)])
+def test_a_motion_at_many_times_is_that_at_each(given):
+    motion, times = motion_of(p, *given), [0.3, 1.0, 1.4]
+    expected = [[one(t) for one in (p, p_t, p_tt)] for t in times]
+    np.testing.assert_allclose(motion.sample(times), expected, atol=1e-6)
+    np.testing.assert_array_equal(motion.sample(times), [motion.at(t) for t in times])

@@ -84,7 +84,7 @@ class TurnedFrame:
     def values(self, times: Sequence[float]) -> Array:
         """(T, 3, 12) at these times [s]: o, then x, y, z of each axis, with their derivatives."""
         if list(times) != self._known[0]:
-            self._known = list(times), many_differences(self._offsets, self._turned, times)
+            self._known = list(times), many_differences(self._offsets, times, self._turned)
         return self._known[1]
 
     def part(self, which: int, times: Sequence[float]) -> Array:
@@ -210,14 +210,8 @@ def _offset_function(mbs: Any, joint: JointItem, data: dict[str, Any]) -> Functi
     value, rate = (_of_time(mbs, joint, data[key], float(data["offset"])) for key in _OFFSET_FUNCTIONS)
     assert value is not None
     offset = data[_OFFSET_FUNCTIONS[0]]
-    return partial(
-        _offsets_at, motion_of(value, rate, acceleration_of(offset), is_driven=is_driven(offset)).at
-    )
-
-
-def _offsets_at(at: Callable[[float], Array], times: Sequence[float]) -> Array:
-    """(T, 3) with their derivatives.   at: t [s] -> (3, 1)."""
-    return np.array([at(t)[:, 0] for t in times]).reshape(-1, 3)
+    motion = motion_of(value, rate, acceleration_of(offset), is_driven=is_driven(offset))
+    return lambda times: motion.sample(times)[:, :, 0]
 
 
 def _turned_frame(mbs: Any, joint: JointItem, data: dict[str, Any], reader: PointReader) -> TurnedFrame:
