@@ -197,6 +197,20 @@ def rigid_body_spring(b):
         )
 
 
+def bushing(b):
+    """As `CreateRigidBodySpringDamper` makes it; a second one is turned by up to almost half a turn."""
+    law = {"stiffness": np.diag([40, 30, 20, 0.1, 0.05, 0.08]) + 0.01, "damping": 0.01 * np.eye(6) + 0.002}
+    given = {"useIntrinsicFormulation": True, "offset": [0.1, 0, 0, 0.05, 0, 0.1], **law}
+    turn = {"rotationMatrixJoint": RotationMatrixZ(0.4)}
+    b.mbs.CreateRigidBodySpringDamper(itemNumbers=b.bodies, localPosition0=b.vector(0.1), **law, **turn)
+    turn = RotationMatrixZ(2.0) if b.dimension == 2 else RotXYZ2RotationMatrix(b.vector(2.0))
+    b.mbs.AddObject(
+        RigidBodySpringDamper(
+            markerNumbers=[b.rigid(1), b.rigid(None)], rotationMarker1=turn.tolist(), **given
+        )
+    )
+
+
 def torsional_spring(b):
     frames = {
         "rotationMarker0": RotationMatrixZ(0.2).tolist(),
@@ -578,6 +592,7 @@ KINDS = [
     spring,
     cartesian_spring,
     rigid_body_spring,
+    bushing,
     torsional_spring,
     springs_that_count_turns,
     torsional_spring_at_a_node,
@@ -844,7 +859,7 @@ def test_bodies_and_joints_are_compiled_beside_states_of_first_order(integrator,
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_under_all_kinds_of_forces_bodies_and_joints_may_be_compiled(integrator, dimension, monkeypatch):
     kinds = [*WITHOUT_JOINTS, distances]
-    with_compiled_parts(kinds, 7, dimension, integrator, monkeypatch, OFF_UNITY[integrator])
+    with_compiled_parts(kinds, 8, dimension, integrator, monkeypatch, OFF_UNITY[integrator])
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
@@ -888,7 +903,7 @@ JOINTS = KINDS[KINDS.index(spherical_joint) :]
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_many_kinds_together_move_as_exudyn_says(integrator, dimension):
     kinds = [*WITHOUT_JOINTS, distances]
-    require_the_same(kinds, 7, dimension, integrator, OFF_UNITY[integrator])
+    require_the_same(kinds, 8, dimension, integrator, OFF_UNITY[integrator])
 
 
 @given(seed=st.integers(0, 1000), kinds=st.sets(st.sampled_from(range(len(WITHOUT_JOINTS)))))

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...items.arguments import described
-from ...multibody.connectors import CARTESIAN, CONNECTOR, SIX, SPRING
+from ...multibody.connectors import CARTESIAN, CONNECTOR, INTRINSIC, SIX, SPRING
 from .points import Place, PointReader
 from .unknown import UnknownItemError, require_no_functions
 
@@ -78,9 +78,9 @@ def _set_frames(data: dict[str, Any], name: str, places: list[Place], record: An
 
 
 def _rigid_body(data: dict[str, Any], name: str, places: list[Place], record: Any) -> None:
-    if data.get("useIntrinsicFormulation") or data.get("intrinsicFormulation"):
-        raise UnknownItemError(f"{name} with the intrinsic formulation")
     _set_frames(data, name, places, record)
+    if data.get("useIntrinsicFormulation") or data.get("intrinsicFormulation"):
+        record["kind"] = INTRINSIC
     record["stiffness"][:], record["damping"][:] = data["stiffness"], data["damping"]
     record["offset"][:] = data["offset"]
 
