@@ -3,11 +3,14 @@
 SPRING     along the distance, k (L - L_0) + d (L_t - v_0) + f
 CARTESIAN  in the global frame, K (d - o) + D d_t
 SIX        in the frame of the first point: distances and angles about x, y and z
+RUBBING    of coordinates with factors, f_1 q_1 - f_0 q_0, which rub and have stops, see `rubbing_springs`
 INTRINSIC  in the frame half way between both: the screw, log(A_0^T A_1), that leads from one to the other
 
 An angle about z with a place among the data of a scene goes on from the last one that these keep, beyond half
 a turn: see Exudyn's ObjectConnectorTorsionalSpringDamper with a nodeNumber.
 """
+
+from typing import Any
 
 import numpy as np
 
@@ -15,19 +18,32 @@ from ..arrays import record_type
 from ..compiled import inlined
 from .circle_contacts import NOW
 from .points import add_torque, add_wrench, angle_about, cross, dot
+from .rubbing_springs import BEYOND, SLIDES, force_of_rubbing
 
-SPRING, CARTESIAN, SIX, INTRINSIC = range(4)
+SPRING, CARTESIAN, SIX, INTRINSIC, RUBBING = range(5)
 
 CONNECTOR = record_type(
     [
         ("kind", np.int64),
         ("points", np.int64, (2,)),
-        ("place", np.int64),  # of its last angle about z among the data of the scene; -1: it keeps none
+        ("place", np.int64),  # of what it keeps among the data of the scene, first; -1: it keeps nothing
         ("stiffness", np.float64, (6, 6)),
         ("damping", np.float64, (6, 6)),
         ("offset", np.float64, (6,)),
         ("rate_offset", np.float64, (6,)),
         ("force", np.float64, (6,)),  # constant, in the frame of the law
+        ("factors", np.float64, (2,)),  # of both points
+        ("dynamic", np.float64),  # force of friction, as the other ones of `rubbing_springs`
+        ("static", np.float64),  # beyond the dynamic one
+        ("decay", np.float64),
+        ("viscosity", np.float64),
+        ("zone", np.float64),
+        ("sticking_stiffness", np.float64),
+        ("sticking_damping", np.float64),
+        ("has_stops", np.int64),
+        ("stops", np.float64, (2,)),
+        ("stop_stiffness", np.float64),
+        ("stop_damping", np.float64),
         ("turns", np.float64, (2, 3, 3)),  # of the law's frames in those of both points
         ("wrench", np.float64, (6,)),
         ("stretch", np.float64, (6,)),
@@ -167,10 +183,22 @@ def _set_spring_force(connector, one, other):
 
 
 @inlined
+def _set_rubbing_force(connector, one, other, data, settles):
+    for order, found in enumerate((connector.stretch, connector.rate)):
+        found[0] = connector.factors[1] * other.x[order, 0] - connector.factors[0] * one.x[order, 0]
+    force = connector.stiffness[0, 0] * (connector.stretch[0] - connector.offset[0])
+    force += connector.damping[0, 0] * (connector.rate[0] - connector.rate_offset[0])
+    connector.wrench[0] = force + force_of_rubbing(connector, data, settles)
+
+
+@inlined
 def _set_wrench(connector, one, other, data, settles):
     """What the points pull each other with."""
     if connector.kind == SPRING:
         _set_spring_force(connector, one, other)
+        return
+    if connector.kind == RUBBING:
+        _set_rubbing_force(connector, one, other, data, settles)
         return
     if connector.kind == CARTESIAN:
         for i in range(3):
@@ -195,9 +223,15 @@ def add_connectors(connectors, points, data, settles, force):
         connector = connectors[c]
         one, other = points[connector.points[0]], points[connector.points[1]]
         _set_wrench(connector, one, other, data, settles)
-        add_wrench(one, connector.wrench, 1.0, force)
-        add_wrench(other, connector.wrench, -1.0, force)
+        add_wrench(one, connector.wrench, connector.factors[0], force)
+        add_wrench(other, connector.wrench, -connector.factors[1], force)
         if connector.kind == INTRINSIC:
             _set_torque(connector)
             add_torque(one, connector.torque, force)
             add_torque(other, connector.torque, force)
+
+
+def places_of_rubbing(connectors: Any) -> np.ndarray:
+    """Of how springs rub, and how far they are beyond stops, among the data of a scene."""
+    rubs = (connectors["kind"] == RUBBING) & (connectors["place"] >= 0)
+    return (connectors["place"][rubs, np.newaxis] + [SLIDES, BEYOND]).ravel()

@@ -9,6 +9,7 @@ from exudyn.itemInterface import (
     CartesianSpringDamper,
     CoordinateConstraint,
     CoordinateSpringDamper,
+    CoordinateSpringDamperExt,
     DistanceConstraint,
     GenericJoint,
     LoadCoordinate,
@@ -227,7 +228,7 @@ def springs_that_count_turns(b):
         return
     law = {"stiffness": 0.01, "damping": 0.002, "offset": 0.1}
     for pair, start in [((b.rigid(0), b.rigid(1)), 20.0), ((b.rigid(None), b.rigid(1)), 0.0)]:
-        turns = b.mbs.AddNode(NodeGenericData(initialCoordinates=[start], numberOfDataCoordinates=1))
+        turns = data_node(b, [start])
         b.mbs.AddObject(TorsionalSpringDamper(markerNumbers=list(pair), nodeNumber=turns, **law))
 
 
@@ -281,6 +282,37 @@ def coordinate_spring(b):
         b.mbs.AddObject(
             CoordinateSpringDamper(markerNumbers=list(pair), stiffness=30, damping=0.2, offset=0.1)
         )
+
+
+RUBBING_LAWS = [
+    {"dynamicFrictionForce": 0.3, "staticFrictionOffsetForce": 0.2, "frictionProportionalZone": 0.1},
+    {"dynamicFrictionForce": 0.2, "stickingStiffness": 200.0, "stickingDamping": 0.5},
+    {"useLimitStops": True, "limitStopsLower": -3e-3, "limitStopsUpper": 1e-3},
+]
+
+
+def rubbing_springs(b):
+    """On coordinates with factors: they rub always, stick and slide, and have stops."""
+    if b.mbs.NumberOfGeneralContacts():  # beside which Exudyn evaluates them
+        return
+    law = {
+        "stiffness": 30.0,
+        "damping": 0.2,
+        "offset": 0.1,
+        "velocityOffset": 0.3,
+        "factor0": 0.7,
+        "factor1": 1.3,
+    }
+    law |= {"exponentialDecayStatic": 0.5, "viscousFrictionFactor": 0.1}
+    law |= {"limitStopsStiffness": 500.0, "limitStopsDamping": 0.2}
+    for node, own in zip((b.cable["nodes"][-1], b.nodes[1], b.nodes[1]), RUBBING_LAWS, strict=True):
+        pair = [b.coordinate(b.nodes[0], 1), b.coordinate(node, 0)]
+        remembered = {} if "frictionProportionalZone" in own else {"nodeNumber": data_node(b, [0, 0.01, 0])}
+        b.mbs.AddObject(CoordinateSpringDamperExt(markerNumbers=pair, **law, **own, **remembered))
+
+
+def data_node(b, values):
+    return b.mbs.AddNode(NodeGenericData(initialCoordinates=values, numberOfDataCoordinates=len(values)))
 
 
 def forces(b):
@@ -539,7 +571,7 @@ def circle(b, elements, body, depth, law):
     for element in elements:
         shape = b.mbs.AddMarker(MarkerBodyCable2DShape(bodyNumber=element, **form))
         memory = [0.1] * SEGMENTS + ([-2] * SEGMENTS + [0] * SEGMENTS) * (law is not None)
-        data = b.mbs.AddNode(NodeGenericData(initialCoordinates=memory, numberOfDataCoordinates=len(memory)))
+        data = data_node(b, memory)
         given = {
             "markerNumbers": [marker, shape],
             "nodeNumber": data,
@@ -599,6 +631,7 @@ KINDS = [
     beside_the_cable,
     fixed_beside_the_cable,
     coordinate_spring,
+    rubbing_springs,
     forces,
     torques,
     weights,
