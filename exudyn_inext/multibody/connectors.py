@@ -3,35 +3,54 @@
 SPRING     along the distance, k (L - L_0) + d (L_t - v_0) + f
 CARTESIAN  in the global frame, K (d - o) + D d_t
 SIX        in the frame of the first point: distances and angles about x, y and z
+RUBBING    of coordinates with factors, f_1 q_1 - f_0 q_0, which rub and have stops, see `rubbing_springs`
+INTRINSIC  in the frame half way between both: the screw, log(A_0^T A_1), that leads from one to the other
 
 An angle about z with a place among the data of a scene goes on from the last one that these keep, beyond half
 a turn: see Exudyn's ObjectConnectorTorsionalSpringDamper with a nodeNumber.
 """
+
+from typing import Any
 
 import numpy as np
 
 from ..arrays import record_type
 from ..compiled import inlined
 from .circle_contacts import NOW
-from .points import add_wrench, angle_about
+from .points import add_torque, add_wrench, angle_about, cross, dot
+from .rubbing_springs import BEYOND, SLIDES, force_of_rubbing
 
-SPRING, CARTESIAN, SIX = range(3)
+SPRING, CARTESIAN, SIX, INTRINSIC, RUBBING = range(5)
 
 CONNECTOR = record_type(
     [
         ("kind", np.int64),
         ("points", np.int64, (2,)),
-        ("place", np.int64),  # of its last angle about z among the data of the scene; -1: it keeps none
+        ("place", np.int64),  # of what it keeps among the data of the scene, first; -1: it keeps nothing
         ("stiffness", np.float64, (6, 6)),
         ("damping", np.float64, (6, 6)),
         ("offset", np.float64, (6,)),
         ("rate_offset", np.float64, (6,)),
         ("force", np.float64, (6,)),  # constant, in the frame of the law
+        ("factors", np.float64, (2,)),  # of both points
+        ("dynamic", np.float64),  # force of friction, as the other ones of `rubbing_springs`
+        ("static", np.float64),  # beyond the dynamic one
+        ("decay", np.float64),
+        ("viscosity", np.float64),
+        ("zone", np.float64),
+        ("sticking_stiffness", np.float64),
+        ("sticking_damping", np.float64),
+        ("has_stops", np.int64),
+        ("stops", np.float64, (2,)),
+        ("stop_stiffness", np.float64),
+        ("stop_damping", np.float64),
         ("turns", np.float64, (2, 3, 3)),  # of the law's frames in those of both points
         ("wrench", np.float64, (6,)),
         ("stretch", np.float64, (6,)),
         ("rate", np.float64, (6,)),
-        ("frame", np.float64, (3, 3, 3)),  # A_0, A_1 and A_0^T A_1 at present
+        ("frame", np.float64, (3, 3, 3)),  # that of the law, A_1 and A_0^T A_1 at present
+        ("axis", np.float64, (3,)),  # of the screw, in its frame
+        ("torque", np.float64, (3,)),  # of the force at half the way along the screw about both points
     ]
 )
 
@@ -55,16 +74,64 @@ def _set_frames(connector, one, other):
 
 
 @inlined
-def _stretch_in_frame(connector, one, other):
-    """Distances and angles in the frame of the first point, and their rates."""
+def _go_half_way(connector):
+    """Turn the frame of the law by half of the angle between both points, which is set.
+
+    Returns the length of an arc of that angle by its chord, a / sin(a) of half the angle a [-].
+    """
+    relative, axis = connector.frame[2], connector.axis
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        axis[i] = 0.5 * (relative[k, j] - relative[j, k])
+    sine, cosine = np.sqrt(dot(axis, axis)), 0.5 * (relative[0, 0] + relative[1, 1] + relative[2, 2] - 1.0)
+    half = 0.5 * np.arctan2(sine, cosine)
+    if sine > 0.0:
+        for i in range(3):
+            axis[i] /= sine
+    sine, cosine = np.sin(half), np.cos(half)
+    for i in range(3):
+        connector.stretch[3 + i] = 2.0 * half * axis[i]
+        x, y, z = connector.frame[0, i]
+        row = (x, y, z)
+        along = (1.0 - cosine) * dot(row, axis)
+        for j in range(3):
+            connector.frame[0, i, j] = cosine * row[j] + sine * cross(row, axis, j) + along * axis[j]
+    return half / sine if sine > 0.0 else 1.0
+
+
+@inlined
+def _set_screw(connector, arc):
+    """The distances across the axis follow an arc, of that length by its chord."""
+    along = (1.0 - arc) * dot(connector.axis, connector.stretch)
+    for i in range(3):
+        connector.stretch[i] = arc * connector.stretch[i] + along * connector.axis[i]
+
+
+@inlined
+def _set_torque(connector):
+    """Of the force, which acts half way between the points, about these: the same one on both."""
+    frame, stretch, force = connector.frame[0], connector.stretch, connector.wrench
+    x, y, z = dot(frame[0], stretch), dot(frame[1], stretch), dot(frame[2], stretch)
+    arm = (0.5 * x, 0.5 * y, 0.5 * z)
+    for i in range(3):
+        connector.torque[i] = cross(arm, force, i)
+
+
+@inlined
+def _set_stretch(connector, one, other):
+    """Distances and angles in the frame of the law, and their rates."""
     _set_frames(connector, one, other)
     frame, relative = connector.frame[0], connector.frame[2]
+    arc = _go_half_way(connector) if connector.kind == INTRINSIC else 1.0
     for i in range(3):
         connector.stretch[i], connector.rate[i], connector.rate[3 + i] = 0.0, 0.0, 0.0
         for j in range(3):
             connector.stretch[i] += frame[j, i] * (other.x[0, j] - one.x[0, j])
             connector.rate[i] += frame[j, i] * (other.x[1, j] - one.x[1, j])
             connector.rate[3 + i] += frame[j, i] * (other.spin[j] - one.spin[j])
+    if connector.kind == INTRINSIC:
+        _set_screw(connector, arc)
+        return
     for axis in range(3):
         connector.stretch[3 + axis] = angle_about(relative, axis)
 
@@ -92,7 +159,7 @@ def _apply_law(connector):
 
 @inlined
 def _turn_wrench(connector):
-    """From the frame of the first point to the global one."""
+    """From the frame of the law to the global one."""
     frame, wrench = connector.frame[0], connector.wrench
     for half in range(2):
         at = 3 * half
@@ -116,21 +183,33 @@ def _set_spring_force(connector, one, other):
 
 
 @inlined
+def _set_rubbing_force(connector, one, other, data, settles):
+    for order, found in enumerate((connector.stretch, connector.rate)):
+        found[0] = connector.factors[1] * other.x[order, 0] - connector.factors[0] * one.x[order, 0]
+    force = connector.stiffness[0, 0] * (connector.stretch[0] - connector.offset[0])
+    force += connector.damping[0, 0] * (connector.rate[0] - connector.rate_offset[0])
+    connector.wrench[0] = force + force_of_rubbing(connector, data, settles)
+
+
+@inlined
 def _set_wrench(connector, one, other, data, settles):
     """What the points pull each other with."""
     if connector.kind == SPRING:
         _set_spring_force(connector, one, other)
         return
-    if connector.kind == SIX:
-        _stretch_in_frame(connector, one, other)
-        if connector.place >= 0:
-            _count_turns(connector, data, settles)
-    else:
+    if connector.kind == RUBBING:
+        _set_rubbing_force(connector, one, other, data, settles)
+        return
+    if connector.kind == CARTESIAN:
         for i in range(3):
             connector.stretch[i] = other.x[0, i] - one.x[0, i]
             connector.rate[i] = other.x[1, i] - one.x[1, i]
+    else:
+        _set_stretch(connector, one, other)
+        if connector.place >= 0:
+            _count_turns(connector, data, settles)
     _apply_law(connector)
-    if connector.kind == SIX:
+    if connector.kind != CARTESIAN:
         _turn_wrench(connector)
 
 
@@ -144,5 +223,15 @@ def add_connectors(connectors, points, data, settles, force):
         connector = connectors[c]
         one, other = points[connector.points[0]], points[connector.points[1]]
         _set_wrench(connector, one, other, data, settles)
-        add_wrench(one, connector.wrench, 1.0, force)
-        add_wrench(other, connector.wrench, -1.0, force)
+        add_wrench(one, connector.wrench, connector.factors[0], force)
+        add_wrench(other, connector.wrench, -connector.factors[1], force)
+        if connector.kind == INTRINSIC:
+            _set_torque(connector)
+            add_torque(one, connector.torque, force)
+            add_torque(other, connector.torque, force)
+
+
+def places_of_rubbing(connectors: Any) -> np.ndarray:
+    """Of how springs rub, and how far they are beyond stops, among the data of a scene."""
+    rubs = (connectors["kind"] == RUBBING) & (connectors["place"] >= 0)
+    return (connectors["place"][rubs, np.newaxis] + [SLIDES, BEYOND]).ravel()

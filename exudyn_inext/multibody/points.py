@@ -221,3 +221,10 @@ def add_wrench(point, wrench, sign, force):
         for i in range(3):
             total += point.along[i, k] * wrench[i] + point.about[i, k] * wrench[3 + i]
         force[point.first + k] += sign * total
+
+
+@inlined
+def add_torque(point, torque, force):
+    """Add the generalised force of a torque (3,) alone.   force: (n,)."""
+    for k in range(point.width):
+        force[point.first + k] += dot(point.about[:, k], torque)

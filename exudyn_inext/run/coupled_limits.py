@@ -200,7 +200,7 @@ class LimitedRun(PacedRun):
         """Whether the steps of this piece are too long by now.
 
         since, done: how many of them had been taken at the last look, and have been taken now.
-        As cables that stretch are pulled tight, or contacts that Exudyn evaluates have closed, and rub. Then
+        As cables that stretch are pulled tight, or contacts that were open have closed, and rub. Then
         the nominal step is shorter from now on, or until contacts open; of a given one, `finding` tells.
         """
         tension = max((run.tension_by_mass for run in self._runs), default=0.0)
@@ -228,21 +228,15 @@ class LimitedRun(PacedRun):
         bounds = max(TIGHTER * self.control.tension, SLOW_WAVES / h**2)
         return self.watch.stretches and tension > bounds and not self.control.is_shorter_for_a_while
 
-    @property
-    def has_evaluated_contacts(self) -> bool:
-        """Whether Exudyn evaluates contact or friction."""
-        remembers: bool = self._scene.native_items.remembers
-        return bool(self.why_not) and remembers
-
     def _looks_at_contacts(self, since: int, done: int) -> bool:
-        """Whether the limit is due to be found again, as contacts have changed that Exudyn evaluates."""
-        may = self.watch.may_shorten and self.has_evaluated_contacts
+        """Whether the limit is due to be found again, as contacts have changed that may change it."""
+        may = self.watch.may_shorten and self.mover.follows_contacts
         is_due = since + steps_until_look(self.control.steps + since, STEPS_BETWEEN_LOOKS) <= done
         return may and (is_due or self.control.is_shorter_for_a_while) and self._have_contacts_changed()
 
     def _have_contacts_changed(self) -> bool:
         """Whether some have opened or closed since the last look, or are twice as deep or half as deep."""
-        present = self._scene.native_items.depths_of_contacts
+        present = self.mover.depths_of_contacts
         if present is not None and np.array_equal(present, self._depths):
             return False
         self._depths[:] = 0.0 if present is None else present

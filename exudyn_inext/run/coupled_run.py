@@ -438,7 +438,7 @@ class CoupledRun(LimitedRun):
         times = piece.times(self.integrator.stages)
         self._kept.keep()
         done = kept = 0
-        may_outrun = self.watch.stretches or self.has_evaluated_contacts
+        may_outrun = self.watch.stretches or self.mover.follows_contacts
         looks = self.watch.may_shorten and may_outrun
         looks_within = self._by_kernels or piece.intervals > 1
         while done < piece.steps:

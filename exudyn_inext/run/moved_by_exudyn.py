@@ -87,6 +87,16 @@ class MovedByExudyn(Mover):
         """Whether the offset of a joint may be set between steps."""
         return True
 
+    @property
+    def follows_contacts(self) -> bool:
+        remembers: bool = self._scene.native_items.remembers
+        return remembers
+
+    @property
+    def depths_of_contacts(self) -> Array | None:
+        depths: Array | None = self._scene.native_items.depths_of_contacts
+        return depths
+
     def can_weigh(self, item: ChangedItem) -> bool:
         parts = self._scene.parts_in_one
         return parts.form.numbers.can_weigh(item) if parts else self._scene.can_weigh(item)

@@ -10,6 +10,7 @@ from ..arrays import Array
 from ..compiled import kernel
 from ..errors import SceneError
 from ..integrators.integrator import Integrator
+from ..multibody.connectors import places_of_rubbing
 from .cable_run import CableRun
 from .compiled_scene import ChangedItem, CompiledScene
 from .consistent_start import StartCorrection
@@ -103,6 +104,17 @@ class MovedByKernels(Mover):
         if self._may_damp_contact:
             return self._form.explicit_contact(damping=0.0)
         return super().contact_damping_left_out()
+
+    @property
+    def follows_contacts(self) -> bool:
+        """What other contacts may do is known at the start, see `LimitedRun.contacts`."""
+        return self._remembers and len(places_of_rubbing(self._form.system.items.connectors)) > 0
+
+    @property
+    def depths_of_contacts(self) -> Array:
+        places, depths = places_of_rubbing(self._form.system.items.connectors), np.zeros_like(self.data)
+        depths[0, places] = np.sign(self.data[0, places])
+        return depths
 
     @property
     def places(self) -> dict[str, Array]:

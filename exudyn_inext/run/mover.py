@@ -52,6 +52,16 @@ class Mover:
         raise NotImplementedError
 
     @property
+    def follows_contacts(self) -> bool:
+        """Whether contact or friction may change the limit of the step as nobody knows before."""
+        raise NotImplementedError
+
+    @property
+    def depths_of_contacts(self) -> Array | None:
+        """Of these, see `NativeItems`."""
+        raise NotImplementedError
+
+    @property
     def approaches(self) -> bool:
         """Whether joints have moved through the last step, as they were changed."""
         raise NotImplementedError

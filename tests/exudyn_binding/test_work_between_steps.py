@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from exudyn import OutputVariableType
 from exudyn.itemInterface import (
-    CoordinateSpringDamperExt,
+    CoordinateSpringDamper,
     DistanceConstraint,
     GenericJoint,
     HydraulicActuatorSimple,
@@ -139,7 +139,8 @@ STAY_COMPILED = [
 
 def heavier_where_exudyn_gives_the_forces(model):
     tip = model.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=model.nodes[-1], coordinate=1))
-    model.mbs.AddObject(CoordinateSpringDamperExt(markerNumbers=[model.ground, tip], stiffness=2.0))
+    law = {"springForceUserFunction": lambda mbs, t, number, way, *others: 2.0 * way}
+    model.mbs.AddObject(CoordinateSpringDamper(markerNumbers=[model.ground, tip], **law))
     return body_that_gets_heavier(model)
 
 

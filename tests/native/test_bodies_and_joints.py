@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import (
     CoordinateConstraint,
-    CoordinateSpringDamperExt,
+    CoordinateSpringDamper,
     DistanceConstraint,
     LoadCoordinate,
     MarkerBodyPosition,
@@ -319,7 +319,8 @@ def test_a_quick_ramp_from_rest_is_compiled_and_its_work_known(mbs, add_cable, i
     rope = {"numberOfElements": 6, "positionEnd": [0, -1, 0], "beamTemplate": section}
     _, markers = hang_on_a_moved_point(mbs, add_cable, ramp, **rope)
     if not is_compiled:
-        mbs.AddObject(CoordinateSpringDamperExt(markerNumbers=markers, stiffness=1e-3))
+        law = {"springForceUserFunction": lambda mbs, t, number, way, *others: 1e-3 * way}
+        mbs.AddObject(CoordinateSpringDamper(markerNumbers=markers, **law))
     mbs.Assemble()
     report = SolveExplicit(mbs, quiet_settings(1.0, 100, 0.01))
     assert ("in one compiled call" in report["path"]) == is_compiled

@@ -9,6 +9,7 @@ from exudyn.itemInterface import (
     CartesianSpringDamper,
     CoordinateConstraint,
     CoordinateSpringDamper,
+    CoordinateSpringDamperExt,
     DistanceConstraint,
     GenericJoint,
     LoadCoordinate,
@@ -197,6 +198,20 @@ def rigid_body_spring(b):
         )
 
 
+def bushing(b):
+    """As `CreateRigidBodySpringDamper` makes it; a second one is turned by up to almost half a turn."""
+    law = {"stiffness": np.diag([40, 30, 20, 0.1, 0.05, 0.08]) + 0.01, "damping": 0.01 * np.eye(6) + 0.002}
+    given = {"useIntrinsicFormulation": True, "offset": [0.1, 0, 0, 0.05, 0, 0.1], **law}
+    turn = {"rotationMatrixJoint": RotationMatrixZ(0.4)}
+    b.mbs.CreateRigidBodySpringDamper(itemNumbers=b.bodies, localPosition0=b.vector(0.1), **law, **turn)
+    turn = RotationMatrixZ(2.0) if b.dimension == 2 else RotXYZ2RotationMatrix(b.vector(2.0))
+    b.mbs.AddObject(
+        RigidBodySpringDamper(
+            markerNumbers=[b.rigid(1), b.rigid(None)], rotationMarker1=turn.tolist(), **given
+        )
+    )
+
+
 def torsional_spring(b):
     frames = {
         "rotationMarker0": RotationMatrixZ(0.2).tolist(),
@@ -213,7 +228,7 @@ def springs_that_count_turns(b):
         return
     law = {"stiffness": 0.01, "damping": 0.002, "offset": 0.1}
     for pair, start in [((b.rigid(0), b.rigid(1)), 20.0), ((b.rigid(None), b.rigid(1)), 0.0)]:
-        turns = b.mbs.AddNode(NodeGenericData(initialCoordinates=[start], numberOfDataCoordinates=1))
+        turns = data_node(b, [start])
         b.mbs.AddObject(TorsionalSpringDamper(markerNumbers=list(pair), nodeNumber=turns, **law))
 
 
@@ -267,6 +282,37 @@ def coordinate_spring(b):
         b.mbs.AddObject(
             CoordinateSpringDamper(markerNumbers=list(pair), stiffness=30, damping=0.2, offset=0.1)
         )
+
+
+RUBBING_LAWS = [
+    {"dynamicFrictionForce": 0.3, "staticFrictionOffsetForce": 0.2, "frictionProportionalZone": 0.1},
+    {"dynamicFrictionForce": 0.2, "stickingStiffness": 200.0, "stickingDamping": 0.5},
+    {"useLimitStops": True, "limitStopsLower": -3e-3, "limitStopsUpper": 1e-3},
+]
+
+
+def rubbing_springs(b):
+    """On coordinates with factors: they rub always, stick and slide, and have stops."""
+    if b.mbs.NumberOfGeneralContacts():  # beside which Exudyn evaluates them
+        return
+    law = {
+        "stiffness": 30.0,
+        "damping": 0.2,
+        "offset": 0.1,
+        "velocityOffset": 0.3,
+        "factor0": 0.7,
+        "factor1": 1.3,
+    }
+    law |= {"exponentialDecayStatic": 0.5, "viscousFrictionFactor": 0.1}
+    law |= {"limitStopsStiffness": 500.0, "limitStopsDamping": 0.2}
+    for node, own in zip((b.cable["nodes"][-1], b.nodes[1], b.nodes[1]), RUBBING_LAWS, strict=True):
+        pair = [b.coordinate(b.nodes[0], 1), b.coordinate(node, 0)]
+        remembered = {} if "frictionProportionalZone" in own else {"nodeNumber": data_node(b, [0, 0.01, 0])}
+        b.mbs.AddObject(CoordinateSpringDamperExt(markerNumbers=pair, **law, **own, **remembered))
+
+
+def data_node(b, values):
+    return b.mbs.AddNode(NodeGenericData(initialCoordinates=values, numberOfDataCoordinates=len(values)))
 
 
 def forces(b):
@@ -525,7 +571,7 @@ def circle(b, elements, body, depth, law):
     for element in elements:
         shape = b.mbs.AddMarker(MarkerBodyCable2DShape(bodyNumber=element, **form))
         memory = [0.1] * SEGMENTS + ([-2] * SEGMENTS + [0] * SEGMENTS) * (law is not None)
-        data = b.mbs.AddNode(NodeGenericData(initialCoordinates=memory, numberOfDataCoordinates=len(memory)))
+        data = data_node(b, memory)
         given = {
             "markerNumbers": [marker, shape],
             "nodeNumber": data,
@@ -578,12 +624,14 @@ KINDS = [
     spring,
     cartesian_spring,
     rigid_body_spring,
+    bushing,
     torsional_spring,
     springs_that_count_turns,
     torsional_spring_at_a_node,
     beside_the_cable,
     fixed_beside_the_cable,
     coordinate_spring,
+    rubbing_springs,
     forces,
     torques,
     weights,
@@ -844,7 +892,7 @@ def test_bodies_and_joints_are_compiled_beside_states_of_first_order(integrator,
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_under_all_kinds_of_forces_bodies_and_joints_may_be_compiled(integrator, dimension, monkeypatch):
     kinds = [*WITHOUT_JOINTS, distances]
-    with_compiled_parts(kinds, 7, dimension, integrator, monkeypatch, OFF_UNITY[integrator])
+    with_compiled_parts(kinds, 8, dimension, integrator, monkeypatch, OFF_UNITY[integrator])
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
@@ -888,7 +936,7 @@ JOINTS = KINDS[KINDS.index(spherical_joint) :]
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_many_kinds_together_move_as_exudyn_says(integrator, dimension):
     kinds = [*WITHOUT_JOINTS, distances]
-    require_the_same(kinds, 7, dimension, integrator, OFF_UNITY[integrator])
+    require_the_same(kinds, 8, dimension, integrator, OFF_UNITY[integrator])
 
 
 @given(seed=st.integers(0, 1000), kinds=st.sets(st.sampled_from(range(len(WITHOUT_JOINTS)))))

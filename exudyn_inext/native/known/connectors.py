@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...items.arguments import described
-from ...multibody.connectors import CARTESIAN, CONNECTOR, SIX, SPRING
+from ...multibody.connectors import CARTESIAN, CONNECTOR, INTRINSIC, RUBBING, SIX, SPRING
 from .points import Place, PointReader
 from .unknown import UnknownItemError, require_no_functions
 
@@ -38,7 +38,7 @@ def read_connector(data: dict[str, Any], number: int, reader: PointReader) -> Kn
         raise UnknownItemError(name)
     require_no_functions(data, name)
     record = np.zeros(1, CONNECTOR)[0]
-    record["place"] = reader.place_of_turns(data, number)
+    record["place"], record["factors"] = reader.place_of_data(data, number), 1.0
     places = [reader.marker(k) for k in data["markerNumbers"]]
     record.points[:] = [place.point for place in places]
     of_values = record.copy()
@@ -69,6 +69,33 @@ def _coordinate(data: dict[str, Any], name: str, places: list[Place], record: An
     record["offset"][0] = data["offset"]
 
 
+_OF_RUBBING = {
+    "dynamic": "dynamicFrictionForce",
+    "static": "staticFrictionOffsetForce",
+    "decay": "exponentialDecayStatic",
+    "viscosity": "viscousFrictionFactor",
+    "zone": "frictionProportionalZone",
+    "sticking_stiffness": "stickingStiffness",
+    "sticking_damping": "stickingDamping",
+    "has_stops": "useLimitStops",
+    "stop_stiffness": "limitStopsStiffness",
+    "stop_damping": "limitStopsDamping",
+}
+
+
+def _rubbing(data: dict[str, Any], name: str, places: list[Place], record: Any) -> None:
+    _coordinate(data, name, places, record)
+    record["kind"] = RUBBING
+    record["factors"] = data["factor0"], data["factor1"]
+    record["rate_offset"][0] = data["velocityOffset"]
+    record["stops"] = data["limitStopsLower"], data["limitStopsUpper"]
+    for field, parameter in _OF_RUBBING.items():
+        record[field] = data[parameter]
+    sticks = not record["zone"] and bool(record["dynamic"] or record["static"])
+    if record["place"] < 0 and (sticks or record["has_stops"]):
+        raise UnknownItemError(f"{name}, which rubs, or has stops, without a data node")
+
+
 def _set_frames(data: dict[str, Any], name: str, places: list[Place], record: Any) -> None:
     if not all(place.has_frame for place in places):
         raise UnknownItemError(f"{name} between markers without frames")
@@ -78,9 +105,9 @@ def _set_frames(data: dict[str, Any], name: str, places: list[Place], record: An
 
 
 def _rigid_body(data: dict[str, Any], name: str, places: list[Place], record: Any) -> None:
-    if data.get("useIntrinsicFormulation") or data.get("intrinsicFormulation"):
-        raise UnknownItemError(f"{name} with the intrinsic formulation")
     _set_frames(data, name, places, record)
+    if data.get("useIntrinsicFormulation") or data.get("intrinsicFormulation"):
+        record["kind"] = INTRINSIC
     record["stiffness"][:], record["damping"][:] = data["stiffness"], data["damping"]
     record["offset"][:] = data["offset"]
 
@@ -96,6 +123,7 @@ _READERS: dict[str, Callable[..., None]] = {
     "ConnectorSpringDamper": _spring,
     "ConnectorCartesianSpringDamper": _cartesian,
     "ConnectorCoordinateSpringDamper": _coordinate,
+    "ConnectorCoordinateSpringDamperExt": _rubbing,
     "ConnectorRigidBodySpringDamper": _rigid_body,
     "ConnectorTorsionalSpringDamper": _torsional,
 }

@@ -10,6 +10,8 @@ from ...arrays import Array
 from ...element.shape_functions import first_derivatives, shape_functions
 from ...items.arguments import described
 from ...multibody.circle_contacts import CONTACT, END, SEGMENT, Contacts, NoContacts
+from ...multibody.connectors import RUBBING
+from ...multibody.rubbing_springs import DATA
 from ..contact_rates import WITH_CIRCLES
 from .points import PointReader
 from .unknown import UnknownItemError
@@ -102,10 +104,18 @@ def _weights(segments: int, length: float) -> Array:
 
 
 def disturb(contacts: Any, connectors: Any, random: np.random.Generator) -> None:
-    """Let data be those of random contacts, each with a segment that touches, wherever it is, and turns."""
+    """Let data be those of random contacts, each with a segment that touches, wherever it is, and turns.
+
+    Springs that rub stick or slide, at random; stops act or do not.
+    """
     records = contacts.records
-    turning = connectors["place"][connectors["place"] >= 0]
-    contacts.data[:, turning] = random.uniform(-TURNED, TURNED, len(turning))
+    for spring in connectors[connectors["place"] >= 0]:
+        place = spring["place"]
+        if spring["kind"] == RUBBING:
+            sticks = spring["sticking_stiffness"] > 0.0  # or slides; otherwise it does neither
+            contacts.data[:, place : place + DATA] = random.integers(-1, 2, DATA) * [sticks, sticks, 1.0]
+        else:
+            contacts.data[:, place] = random.uniform(-TURNED, TURNED)
     names = ("place", "segments", "has_friction", "radius")
     for place, segments, has_friction, radius in zip(
         *(records[name].tolist() for name in names), strict=True

@@ -26,6 +26,7 @@ class Place(NamedTuple):
     has_frame: bool = False
 
 
+_WITH_DATA = {"ConnectorTorsionalSpringDamper", "ConnectorCoordinateSpringDamperExt"}
 _ALONG = np.eye(3)
 _POINT = np.zeros(1, POINT)[0]
 _POINT["orientation"] = _ALONG
@@ -96,15 +97,15 @@ class PointReader:
         point["x"][0], point["orientation"][:] = position, orientation
         return self._add(point, has_frame=has_frame)
 
-    def place_of_turns(self, data: dict[str, Any], number: int) -> int:
-        """Of the angle that a torsional spring remembers; -1: it has no node, nor have others.
+    def place_of_data(self, data: dict[str, Any], number: int) -> int:
+        """Of what springs with turns, friction or stops remember; -1: it has no node, nor have others.
 
         Raises:
             UnknownItemError: another object has a node of its own.
         """
         if int(data.get("nodeNumber", -1)) < 0:
             return -1
-        if data["objectType"] != "ConnectorTorsionalSpringDamper":
+        if data["objectType"] not in _WITH_DATA:
             raise UnknownItemError(f"{described(data, number)} with a node of its own")
         return int(self._mbs.systemData.GetObjectLTGData(number)[0])
 

@@ -74,7 +74,9 @@ def read_known_items(
     general = read_general_contacts(mbs, reader, moved, evaluate) if has_forces else None
     if general is not None:
         if contacts.data.size:
-            raise UnknownItemError("GeneralContact beside what keeps data: circles, or springs that turn")
+            raise UnknownItemError(
+                "GeneralContact beside what keeps data: circles, or springs that turn or rub"
+            )
         contacts = general
     known = records, reader.records, sliders, rows, springs, loads, contacts, functions
     return KnownItems(*known), items
