@@ -22,24 +22,24 @@ class Steered:
     def __init__(self, size: int) -> None:
         """size: number n of values."""
         self.memory = np.zeros(4 * size + 3)
-        self._rates, self._changes = self.memory[3:].reshape(
-            2, 2, size
-        )  # of the step before, and of this one
+        rates, changes = self.memory[3:].reshape(2, 2, size)
+        self._rates, self._changes = rates, changes  # of the step before, and of this one
         self._times = self.memory[:3]  # duration of the step before, begin and end of this one [s]
-        self._nothing = np.zeros((3, size))
-        self._bend = np.zeros(size)
+        self._nothing, *self._powers = np.zeros((4, 3, size))  # of the time that is left
+        self._end = 0.0
         self.moves = False
 
     def aim(self, left: Array, time: float, end: float) -> None:
         """So much (n,) is left at `time` [s], and nothing at `end` [s] of the same step."""
         self._turn_over(time, end)
-        duration = end - time
+        self._end, duration = end, end - time
         before = float(self._times[0]) or duration
-        self._rates[1] = left / duration
-        self._changes[1] = 2.0 * (self._rates[1] - self._rates[0]) / (before + duration)
-        last, present = self._changes
-        most = np.minimum(np.abs(present), _GROWTH * np.abs(last))
-        self._bend = np.where(last * present > 0.0, np.copysign(most, present), 0.0)
+        self._rates[1] = rates = left / duration
+        self._changes[1] = 2.0 * (rates - self._rates[0]) / (before + duration)
+        bend = _smaller(self._changes[1], _GROWTH * self._changes[0])
+        steady, linear, quadratic = self._powers
+        linear[0], linear[1] = rates + 0.5 * duration * bend, bend
+        steady[1], steady[2], quadratic[0] = -linear[0], -bend, -0.5 * bend
         self.moves = any(left.tolist())
 
     def _turn_over(self, time: float, end: float) -> None:
@@ -61,10 +61,12 @@ class Steered:
         """(3, n) what is left at t [s], within the step or later, and its derivatives."""
         if not self.moves:
             return self._nothing
-        begin, end = self._times[1:].tolist()
-        rest = max(end - t, 0.0)
-        values = np.empty_like(self._nothing)
-        values[0] = rest * (self._rates[1] + 0.5 * (end - begin - rest) * self._bend)
-        values[1] = -self._rates[1] - 0.5 * (end - begin - 2.0 * rest) * self._bend
-        values[2] = -self._bend
+        rest, (steady, linear, quadratic) = max(self._end - t, 0.0), self._powers
+        values: Array = steady + rest * (linear + rest * quadratic)
         return values
+
+
+def _smaller(one: Array, other: Array) -> Array:
+    """That which is nearer to zero, where both have the same sign; elsewhere zero."""
+    smaller: Array = np.maximum(np.minimum(one, other), 0.0) + np.minimum(np.maximum(one, other), 0.0)
+    return smaller
