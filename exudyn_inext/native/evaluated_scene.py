@@ -233,9 +233,10 @@ class SceneOfExudyn(EvaluatedScene):
         return float(np.abs(self.native_items.violations(t, q)).max())
 
     def memory(self) -> dict[str, Any]:
-        """Drift corrections of joints and quaternions, and where joints slide, by names."""
+        """Drift corrections of joints and quaternions, where joints slide, how they are steered, by names."""
         corrections = {"joints": self.system.drift_correction, "quaternions": self.body_system.memory()}
-        return corrections | {"places": self.native_items.places}
+        joints = self.native_items
+        return corrections | {"places": joints.places, "steered": joints.approach.memory}
 
     def forget(self) -> None:
         """Reset the drift corrections of joints and quaternions."""

@@ -2,8 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import exudyn
 import numpy as np
@@ -13,6 +12,7 @@ from ..compiled import kernel
 from ..errors import DivergenceError
 from ..items.parameters import set_unnoted
 from ..run.cable_loads import CableLoads
+from ..run.steered import Steered
 from ..scene.coupled_system import Part
 from ..scene.joints import JointBlock, JointTerms
 from ..scene.path_work import follow, gather
@@ -24,27 +24,6 @@ from .joint_rows import JointRows
 _CURRENT, _START_OF_STEP = exudyn.ConfigurationType.Current, exudyn.ConfigurationType.StartOfStep
 
 
-class Approach(NamedTuple):
-    """Joints that were changed in a run are fulfilled at the end of the step, at a steady rate till then.
-
-    left: (m,) c at the start of the step.   end: of it [s].   duration: of it [s].
-    """
-
-    left: Array
-    end: float
-    duration: float
-
-    def left_at(self, t: float) -> Array:
-        """(m,) what may be left at t [s]."""
-        return self.left * (max(self.end - t, 0.0) / self.duration)
-
-    def applied(self, terms: JointTerms, t: float) -> JointTerms:
-        """Terms of c(q, t) less what may be left."""
-        return replace(
-            terms, value=terms.value - self.left_at(t), drift=terms.drift + self.left / self.duration
-        )
-
-
 class NativeItems:
     """What Exudyn knows of a scene: all forces by one call, joints, masses that change.
 
@@ -52,7 +31,7 @@ class NativeItems:
     native_forces: (n,) what Exudyn's items did to all second order coordinates when last asked [N, Nm].
     varying_forces: (n,) the same, with the weights of cables that change in time.
     given: (n,) forces on all parts that others have set.
-    approach: of joints that were changed before the present step of the time loop, if any was.
+    approach: of joints (m,) that were changed before the present step of the time loop.
     path: memory of the work that they do from one evaluation to the next, see `build_path`; None: not now.
         Of several evaluations in a step, the first one is left out: RK4's second one lies beside it.
     settles: whether contact and friction update what they remember at each evaluation, before it.
@@ -63,7 +42,6 @@ class NativeItems:
     joints: Sequence[str]
     blocks: Sequence[JointBlock]
     path: Array | None = None
-    approach: Approach | None = None
     settles: bool = False
     subtract_inertia: Callable[[Array, Array, Array], None] | None = None
     _is_first: bool = True  # evaluation of a step
@@ -81,6 +59,7 @@ class NativeItems:
     ) -> None:
         self.joints = rows.names
         self.blocks = rows.blocks
+        self.approach = Steered(len(rows.names))
         self._mbs = mbs
         self._data = mbs.systemData
         self._solver = solver
@@ -189,13 +168,12 @@ class NativeItems:
         self.forget()
         self._rows.forget()
         left = self._values_of_mbs(t, q)
-        left = np.where(np.abs(left) > tolerance, left, 0.0)
-        self.approach = Approach(left, end, end - t) if left.any() else None
+        self.approach.aim(np.where(np.abs(left) > tolerance, left, 0.0), t, end)
 
     def violations(self, t: float, q: Array) -> Array:
         """c(q, t) (m,), of which an approach leaves a part."""
         values = self._values_of_mbs(t, q)
-        return values if self.approach is None else values - self.approach.left_at(t)
+        return values - self.approach.at(t)[0] if self.approach.moves else values
 
     def present_violations(self, t: float, q: Array) -> Array:
         """c(q, t) (m,) as it is now, after functions of the user may have changed it; mbs stays as it is."""
@@ -217,7 +195,10 @@ class NativeItems:
         self._set_positions(t, q)
         self._rows.update_jacobian(self._mbs, q)
         terms = self._rows.terms(self._mbs, self._values_of_mbs, t, q, v)
-        return terms if self.approach is None else self.approach.applied(terms, t)
+        if not self.approach.moves:
+            return terms
+        left, rate, acceleration = self.approach.at(t)
+        return JointTerms(terms.value - left, terms.drift - rate, terms.gamma + acceleration)
 
     def jacobian(self, t: float, q: Array) -> Sequence[JointBlock]:
         """Of the joints at (t, q), by parts, overwritten at the next evaluation."""

@@ -2,8 +2,9 @@
 
 Exudyn has factor1 q1_t - q0_t = v(t), with v from offsetUserFunction_t or else the offset, and does not ask
 offsetUserFunction (CObjectConnectorCoordinate.cpp). Explicit steps, which enforce places, take
-factor1 q1 - q0 = c + int v dt, with c from the state in which the constraint begins to act. Angles, which
-markers give between -pi and pi, count modulo the period of the left side.
+factor1 q1 - q0 = c + int v dt, with c from the state in which the constraint begins to act. An offset that is
+set at a step is reached at its end, at a steady acceleration. Angles, which markers give between -pi and pi,
+count modulo the period of the left side.
 """
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
@@ -55,7 +56,9 @@ class Drive:
     """A constraint at velocity level.
 
     number: of the object.   rate: its offsetUserFunction_t, or None.
-    begin: when it began to act [s].   place: of the coordinates then [m].   period: of it, or infinite.
+    begin: when it began to act as it does [s].   place, speed: of the coordinates then [m, m/s].
+    acceleration: through this step of the loop, if it has no `rate` [m/s^2].
+    acts: whether it is active.   period: of the coordinates, or infinite.
     """
 
     def __init__(self, mbs: Any, number: int, data: dict[str, Any]) -> None:
@@ -64,25 +67,39 @@ class Drive:
         rate = data["offsetUserFunction_t"]
         self.rate = rate and python_function(rate)
         self.period = _period(mbs, number, data)
-        self.begin, self.place = 0.0, 0.0
-        self._offset = 0.0
+        self.begin, self.place, self.speed, self.acceleration = 0.0, 0.0, 0.0, 0.0
+        self._offset, self.acts = 0.0, False
         self._travel: Callable[[float], float] = _at_rest
 
-    def start(self, begin: float, place: float | None = None) -> None:
-        """Act from `begin` [s] on.   place: of the coordinates then; None: in the present state of mbs."""
-        self._offset = float(self._mbs.GetObjectParameter(self.number, "offset"))
-        self.begin, self.place, self._travel = begin, 0.0, _at_rest
-        if place is None:
-            equation = exudyn.OutputVariableType.ConstraintEquation
-            place = float(np.ravel(self._mbs.GetObjectOutput(self.number, equation))[0])
-        self.place, self._travel = place, Travel(self.velocity, begin) if self.rate else self._steady_travel
+    def start(self, begin: float, end: float | None = None) -> None:
+        """Act from `begin` [s] on, from the place in the present state of mbs.
+
+        end: of the step, at which a velocity that was set is reached [s]; None: at once.
+        """
+        speed = None if end is None or self.rate or not self.acts else self.velocity(begin)
+        self.place, self._travel = 0.0, _at_rest
+        equation = exudyn.OutputVariableType.ConstraintEquation
+        place = float(np.ravel(self._mbs.GetObjectOutput(self.number, equation))[0])
+        offset = float(self._mbs.GetObjectParameter(self.number, "offset"))
+        if speed is None or end is None:
+            self.restore(begin, place, offset, 0.0)
+        else:
+            self.restore(begin, place, speed, (offset - speed) / (end - begin))
+
+    def restore(self, begin: float, place: float, speed: float, acceleration: float) -> None:
+        """Act from `begin` [s] on, from that place and speed."""
+        self._offset, self.acts = float(self._mbs.GetObjectParameter(self.number, "offset")), True
+        self.begin, self.place, self.speed, self.acceleration = begin, place, speed, acceleration
+        self._travel = Travel(self.velocity, begin) if self.rate else self._steady_travel
 
     def _steady_travel(self, t: float) -> float:
-        return self._offset * (t - self.begin)
+        return (self.speed + 0.5 * self.acceleration * (t - self.begin)) * (t - self.begin)
 
     def velocity(self, t: float) -> float:
         """[m/s] at t [s]."""
-        return float(self.rate(self._mbs, t, self.number, self._offset)) if self.rate else self._offset
+        if self.rate:
+            return float(self.rate(self._mbs, t, self.number, self._offset))
+        return self.speed + self.acceleration * (t - self.begin)
 
     def functions(self) -> dict[str, Any]:
         """Exudyn's user functions of the place and its rate."""
@@ -93,9 +110,12 @@ class Drive:
         def velocity(mbs: Any, t: float, itemNumber: int, lOffset: float) -> float:
             return self.velocity(t)
 
+        def acceleration(t: float) -> float:
+            return self.acceleration
+
         place.of_time_alone = velocity.of_time_alone = True  # type: ignore[attr-defined]
         place.is_driven, place.period = True, self.period  # type: ignore[attr-defined]
-        place.acceleration = None if self.rate else _at_rest  # type: ignore[attr-defined]
+        place.acceleration = None if self.rate else acceleration  # type: ignore[attr-defined]
         velocity.given = self.given["offsetUserFunction_t"]  # type: ignore[attr-defined]  # counts in restart files
         return dict(zip(_FUNCTIONS, (place, velocity), strict=True))
 
@@ -133,8 +153,13 @@ class Drives:
             if self._mbs.GetObjectParameter(number, "activeConnector"):
                 drive.start(begin)
 
-    def follow(self, changed: Collection[Parameter], time: float) -> None:
-        """What has changed acts from `time` [s] on, at which mbs is.
+    @property
+    def moves(self) -> bool:
+        """Whether a velocity changes through this step."""
+        return any(drive.acceleration for drive in self._drives.values())
+
+    def follow(self, changed: Collection[Parameter], time: float, end: float) -> None:
+        """What has changed acts from `time` [s] on, at which mbs is; velocities are reached at `end` [s].
 
         Raises:
             SceneError: something else than the offset, or whether it is active, has changed.
@@ -146,18 +171,26 @@ class Drives:
                     f"{key}, of a constraint at velocity level, was changed during the run, which it cannot "
                     "follow: change its offset, or whether it is active."
                 )
-        for number in {key.number for key in keys}:
+        asked = {key.number for key in keys}
+        for number, drive in self._drives.items():
+            if number not in asked and not drive.acceleration:
+                continue
             if self._mbs.GetObjectParameter(number, "activeConnector"):
-                self._drives[number].start(time)
+                drive.start(time, end if number in asked and time > drive.begin else None)
+            else:
+                drive.acts, drive.acceleration = False, 0.0
 
     def memory(self) -> list[Any]:
         """Since when and from where they act, as plain data."""
-        return [[drive.number, drive.begin, drive.place] for drive in self._drives.values()]
+        known = (
+            (d.number, d.begin, d.place, d.speed, d.acceleration) for d in self._drives.values() if d.acts
+        )
+        return [list(one) for one in known]
 
     def restore(self, memory: Sequence[Any]) -> None:
         """As it was when `memory` was asked; the parameters of mbs are those of then."""
-        for number, begin, place in memory:
-            self._drives[number].start(begin, place)
+        for number, *state in memory:
+            self._drives[number].restore(*state)
 
 
 @contextmanager

@@ -109,7 +109,7 @@ class SceneLoads:
         if not len(self.pattern):
             return external
         if self._only_moves:
-            external[self._on_cables[1].stop :] = self._moved.at(t)
+            external[self._on_cables[1].stop :] = self._moved.at(t).T.ravel()
         else:
             (rows, columns), factors = self._on_cables, self.factors([t])[0]
             if rows.stop:
@@ -350,8 +350,9 @@ class CompiledScene:
 
     @property
     def places(self) -> dict[str, Array]:
-        """Where all that slides is on its cables, from which the next steps look for it, by names."""
-        return {name: self.system.items.sliders.records[name] for name in PLACE}
+        """Where all that slides is on its cables, for the next steps, and how offsets are set, by names."""
+        places = {name: self.system.items.sliders.records[name] for name in PLACE}
+        return places | {"steered": self._moved.memory}
 
     @property
     def has_dependent_joints(self) -> bool:

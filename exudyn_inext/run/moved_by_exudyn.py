@@ -77,11 +77,11 @@ class MovedByExudyn(Mover):
 
     @property
     def approaches(self) -> bool:
-        return self._scene.native_items.approach is not None
+        return self._scene.native_items.approach.moves
 
     def rest(self) -> None:
         """Joints that have been moved stay where they are."""
-        self._scene.native_items.approach = None
+        self._scene.native_items.approach.rest()
 
     def can_move(self, number: int) -> bool:
         """Whether the offset of a joint may be set between steps."""

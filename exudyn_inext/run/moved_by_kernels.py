@@ -83,7 +83,7 @@ class MovedByKernels(Mover):
             if self.approaches:  # Exudyn knows nothing of that
                 scene.native_items.approach_joints(time, self._end_of_step, q, FULFILLED)
             found = consistent_start(scene.system, self.cables, *given)
-        scene.native_items.approach = None
+        scene.native_items.approach.rest()
         return found
 
     def compile_steps(self, time: float) -> None:
@@ -129,7 +129,7 @@ class MovedByKernels(Mover):
         return self._form.approaches
 
     def rest(self) -> None:
-        self._scene.native_items.approach = None
+        self._scene.native_items.approach.rest()
         self._form.rest()
 
     def can_move(self, number: int) -> bool:

@@ -133,7 +133,7 @@ class Mover:
 
     @property
     def places(self) -> dict[str, Array]:
-        """Where the next steps look for what slides, by names; of compiled joints."""
+        """Where what slides is looked for, and how offsets are set, by names; of compiled joints."""
         return {}
 
     def contact_damping_left_out(self) -> AbstractContextManager[None]:

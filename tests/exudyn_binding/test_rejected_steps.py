@@ -290,13 +290,13 @@ def shaken(new_mbs, add_pendulum):
 
 
 def test_steps_above_the_limit_are_rejected_where_joints_are_moved_step_by_step(shaken):
-    """Each of them is inspected: what is lost before they are rejected counts, of which a sample has half."""
+    """They are smooth there, so that unstable vibrations show before they have changed the energy."""
     expected, report = shaken()
     assert report["rejections"] == 0
     largest = report["bounds"].stability_limit
     found, report = shaken(stepSize=1.3 * largest, allowUnstableStep=True)
     assert report["rejections"] > 0
     np.testing.assert_allclose(found, expected, atol=2e-3)
-    assert 0.008 < report["drift"]["energyLoss"] < 0.012
+    assert abs(report["drift"]["energyLoss"]) < 1e-3
     with pytest.raises(DivergenceError):
         shaken(stepSize=1.3 * largest, allowUnstableStep=True, rejectSteps=False)

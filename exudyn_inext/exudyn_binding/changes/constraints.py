@@ -14,6 +14,7 @@ from ...items.functions_of_time import is_driven
 from ...items.link_items import read_moving_coordinate
 from ...items.parameters import Parameter, markers_placed_by
 from ...native.velocity_level import Drives
+from ...run.steered import Steered
 from ...scene.links import MovingCoordinate, Rod, in_space
 from ...scene.model import HeldCoordinate
 from ..scene import Constraint, read_constraint
@@ -23,38 +24,27 @@ _Output = exudyn.OutputVariableType
 _OFFSET_FUNCTIONS = ("offsetUserFunction", "offsetUserFunction_t")
 
 
-class _Way:
-    """Of a point that is told where to be at the end of each step: it gets there along a straight line.
+class _Way(Steered):
+    """Of a point that is told where to be at the end of each step.
 
-    A function of the user that gives positions step by step gives no velocities; those of the straight lines
-    between them are those that a cable needs.
-
-    moves: whether it moves through this step.
+    motion: of the point.
     """
-
-    moves = False
 
     def __init__(self, point: Array) -> None:
         """point: (dim,) where it is [m]."""
-        self._values = np.zeros((3, len(point)))
-        self._values[0] = point
-        self._end = 0.0
-        self.motion = Motion(self.at, is_pure=False, is_smooth=False)
+        super().__init__(len(point))
+        self._point = point
+        self.motion = Motion(self._place, is_pure=False, is_smooth=False)
 
-    def aim(self, point: Array, time: float, end: float) -> None:
+    def lead(self, point: Array, time: float, end: float) -> None:
         """Be at `point` (dim,) [m] at the time `end` [s] of the step from `time` [s]."""
-        self._values[1] = (point - self._values[0]) / (end - time)
-        self._values[0] = point
-        self._end, self.moves = end, any(self._values[1].tolist())
+        self.aim(point - self._point, time, end)
+        self._point = point
 
-    def stop(self) -> None:
-        """Stay there."""
-        self._values[1], self.moves = 0.0, False
-
-    def at(self, t: float) -> Array:
+    def _place(self, t: float) -> Array:
         """(3, dim) p, p_t, p_tt at t [s], within the step or later."""
-        values = self._values.copy()
-        values[0] -= max(self._end - t, 0.0) * values[1]
+        values = -self.at(t)
+        values[0] += self._point
         return values
 
 
@@ -94,19 +84,19 @@ class SteppedReader:
         self._markers_placed_by = cache(partial(markers_placed_by, mbs))
         self._known: dict[int, _Known] = {}
         self._step: tuple[float, float] | None = None
-        self._restored: set[int] = set()  # had been moved before a restart file was written
+        self._restored: dict[int, list[float]] = {}  # memory of the ways of those that had been moved before
 
     @property
     def moves(self) -> bool:
         """Whether something has moved through the last step."""
-        return any(known.way.moves for known in self._known.values() if known.way)
+        return self.drives.moves or any(known.way.moves for known in self._known.values() if known.way)
 
     def begin_step(self, time: float, end: float) -> None:
         """Until something else is read, all rests; what is read now is fulfilled at `end` [s]."""
         self._step = time, end
         for known in self._known.values():
             if known.way:
-                known.way.stop()
+                known.way.rest()
 
     def aims(self, changed: Mapping[Parameter, Any]) -> bool:
         """Whether supports, and ends of rods, of cables alone were moved again, whose ways now lead there.
@@ -122,7 +112,7 @@ class SteppedReader:
             known = self._known.get(key.number)
             if known is None or known.way is None or known.place is None or self._step is None:
                 return False
-            known.way.aim(known.place(value), *self._step)
+            known.way.lead(known.place(value), *self._step)
             self._known[key.number] = known._replace(asked=(*known.asked[:-1], float(value)))
             return True
         placed = set(self._markers_placed_by(key) or ())
@@ -137,14 +127,14 @@ class SteppedReader:
         """Which constraints have been changed, as plain data."""
         known = sorted(self._known.items())
         return {
-            "moved": [number for number, it in known if it.way],
+            "moved": [[number, it.way.memory.tolist()] for number, it in known if it.way],
             "joints": [number for number, it in known if it.constraint is None],
             "drives": self.drives.memory(),
         }
 
     def restore(self, memory: Mapping[str, Any]) -> None:
         """Before the first reading of a run that continues: the `memory` of the run before."""
-        self._restored = set(memory["moved"])
+        self._restored = dict(memory["moved"])
         self._known = {number: _Known(None, None, None) for number in memory["joints"]}
         self.drives.restore(memory["drives"])
 
@@ -160,6 +150,8 @@ class SteppedReader:
         asked = _asked(found, data)
         if last is None or last.asked != asked:
             constraint, way, place = self._changed(number, data, found, last)
+            if way and self._step is None:
+                way.memory[:] = self._restored[number]
             markers = tuple(map(int, data["markerNumbers"]))
             last = self._known[number] = _Known(asked, constraint, way, markers, place)
         return last.constraint
@@ -210,7 +202,7 @@ class SteppedReader:
         """The way of a point so far, or from `start`, on to its target (dim,) [m]."""
         way = (last and last.way) or _Way(start)
         if self._step is not None:
-            way.aim(target, *self._step)
+            way.lead(target, *self._step)
         return way
 
     def _violation(self, rod: Rod) -> float:

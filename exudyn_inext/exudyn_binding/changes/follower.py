@@ -91,7 +91,7 @@ class ChangeFollower:
         self.is_event = is_new or not changed
         self.limit.notice(self.mbs, changed, time, end)
         self._has_jumped(runs, time)
-        self.reader.drives.follow(changed, time)
+        self.reader.drives.follow(changed, time, end)
         self.reader.begin_step(time, end)
         if self._act_at_once(runs, changed, time) or self._moves_at_once(runs, changed, time, end):
             return runs

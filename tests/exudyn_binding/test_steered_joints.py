@@ -1,0 +1,170 @@
+"""Joints that step functions move show the forces and accelerations of native joints."""
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.itemInterface import (
+    CoordinateConstraint,
+    GenericJoint,
+    MarkerBodyPosition,
+    MarkerBodyRigid,
+    MarkerNodeCoordinate,
+    MarkerNodePosition,
+    NodePointGround,
+    SensorBody,
+    SensorObject,
+    SphericalJoint,
+)
+from exudyn.utilities import InertiaCuboid
+
+from exudyn_inext import SolveExplicit
+from exudyn_inext.run.steered import Steered
+from reference_models.model import quiet_settings
+from tests.exudyn_binding.items import SECTION, either_cable, solve_native
+
+END, STEPS = 0.5, 500
+GRAVITY = [0, -9.81, 0]
+
+
+def way(t):
+    return 0.2 * np.sin(6.0 * t) ** 2
+
+
+def speed(t):
+    return 1.2 * np.sin(12.0 * t)
+
+
+class Driven:
+    """A body with a cable at it, which is driven along x by a joint.
+
+    acceleration: sensor of the body.   read: by a function of the user [m].
+    """
+
+    def __init__(self, mbs, native):
+        self.mbs, self.read = mbs, 0.0
+        self.ground = mbs.CreateGround()
+        self.body = mbs.CreateRigidBody(
+            inertia=InertiaCuboid(density=1000, sideLengths=[0.1, 0.1, 0.1]), gravity=GRAVITY, create2D=True
+        )
+        line = {"positionStart": [0, 0, 0], "positionEnd": [0, -1, 0], "numberOfElements": 3}
+        nodes, _ = either_cable(mbs, native, 2, SECTION, 8e4, gravity=GRAVITY, **line)
+        ends = MarkerBodyPosition(bodyNumber=self.body), MarkerNodePosition(nodeNumber=nodes[0])
+        self._join(SphericalJoint, ends, constrainedAxes=[1, 1, 0])
+        kind = exudyn.OutputVariableType.Acceleration
+        self.acceleration = mbs.AddSensor(
+            SensorBody(bodyNumber=self.body, outputVariableType=kind, storeInternal=True)
+        )
+
+    def _join(self, joint, markers, **options):
+        return self.mbs.AddObject(joint(markerNumbers=[self.mbs.AddMarker(m) for m in markers], **options))
+
+    def hold(self, axes, **options):
+        """A GenericJoint on ground, and the number of its marker there."""
+        markers = MarkerBodyRigid(bodyNumber=self.ground), MarkerBodyRigid(bodyNumber=self.body)
+        joint = self._join(GenericJoint, markers, constrainedAxes=axes, **options)
+        return joint, int(self.mbs.GetObject(joint)["markerNumbers"][0])
+
+    def rail(self, **options):
+        """A CoordinateConstraint on the place along a rail."""
+        self.hold([0, 1, 0, 0, 0, 1])
+        node = self.mbs.GetObject(self.body)["nodeNumber"]
+        ground = MarkerNodeCoordinate(nodeNumber=self.mbs.AddNode(NodePointGround()), coordinate=0)
+        markers = ground, MarkerNodeCoordinate(nodeNumber=node, coordinate=0)
+        return self._join(CoordinateConstraint, markers, **options)
+
+
+def by_its_offset(scene):
+    joint = scene.rail()
+    return joint, lambda t: scene.mbs.SetObjectParameter(joint, "offset", way(t))
+
+
+def by_what_its_function_reads(scene):
+    joint = scene.rail(offsetUserFunction=lambda mbs, t, i, offset: scene.read)
+    return joint, lambda t: setattr(scene, "read", way(t))
+
+
+def by_its_velocity(scene):
+    joint = scene.rail(velocityLevel=True)
+    return joint, lambda t: scene.mbs.SetObjectParameter(joint, "offset", speed(t))
+
+
+def by_the_ground(scene):
+    joint, _ = scene.hold([1, 1, 0, 0, 0, 1])
+    return joint, lambda t: scene.mbs.SetObjectParameter(scene.ground, "referencePosition", [way(t), 0, 0])
+
+
+def by_a_marker(scene):
+    joint, marker = scene.hold([1, 1, 0, 0, 0, 1])
+    return joint, lambda t: scene.mbs.SetMarkerParameter(marker, "localPosition", [way(t), 0, 0])
+
+
+def by_a_length(scene):
+    scene.hold([0, 1, 0, 0, 0, 1])
+    other = scene.mbs.CreateGround(referencePosition=[-1, 0, 0])
+    joint = scene.mbs.CreateDistanceConstraint(itemNumbers=[other, scene.body], distance=1.0)
+    return joint, lambda t: scene.mbs.SetObjectParameter(joint, "distance", 1.0 + way(t))
+
+
+KINDS = by_its_offset, by_what_its_function_reads, by_its_velocity, by_the_ground, by_a_marker, by_a_length
+
+
+def steered(new_mbs, kind, native):
+    """(T, 2) size of the force of the joint, and acceleration of the body along x."""
+    mbs = new_mbs()
+    scene = Driven(mbs, native)
+    joint, drive = kind(scene)
+    outputs = exudyn.OutputVariableType
+    is_generic = mbs.GetObject(joint)["objectType"] == "JointGeneric"
+    force = outputs.ForceLocal if is_generic else outputs.Force
+    sensor = mbs.AddSensor(SensorObject(objectNumber=joint, outputVariableType=force, storeInternal=True))
+
+    def step(mbs, t):
+        drive(t)
+        return True
+
+    mbs.SetPreStepUserFunction(step)
+    mbs.Assemble()
+    if native:
+        solve_native(mbs, END)
+    else:
+        SolveExplicit(mbs, quiet_settings(END, STEPS))
+    forces = np.linalg.norm(mbs.GetSensorStoredData(sensor)[:, 1:], axis=1)
+    return np.column_stack([forces, mbs.GetSensorStoredData(scene.acceleration)[:, 1]])
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
+def test_what_step_functions_drive_has_forces_and_accelerations_as_natively(new_mbs, kind):
+    """They are those of the motion: on straight ways, bodies seemed to have no acceleration."""
+    ours, native = (steered(new_mbs, kind, native) for native in (False, True))
+    is_later = slice(10, None)  # native forces swing at the start
+    largest = np.abs(ours - native)[is_later].max(axis=0)
+    assert (largest / np.ptp(native[is_later], axis=0)).max() < 0.03
+
+
+def places_after(places):
+    """(3, 1) place, velocity, acceleration at the end of the last of these steps of 0.1 s."""
+    one, steps = Steered(1), np.diff(places)
+    for k, step in enumerate(steps):
+        one.aim(np.array([step]), 0.1 * k, 0.1 * (k + 1))
+    return one, 0.1 * len(steps)
+
+
+def test_a_steady_acceleration_is_kept():
+    one, end = places_after([0.0, 0.5, 2.0, 4.5])
+    np.testing.assert_allclose(one.at(end), [[0.0], [-30.0], [-100.0]], atol=1e-9)
+    np.testing.assert_allclose(one.at(end - 0.05), [[1.375], [-25.0], [-100.0]])
+    np.testing.assert_allclose(one.at(end - 0.1)[0], [2.5])
+
+
+@pytest.mark.parametrize("places", [[0, 0, 1], [0, 0, 1, 1, 2], [0, 1, 0, 1]], ids=str)
+def test_jumps_are_straight(places):
+    one, end = places_after(np.array(places, dtype=float))
+    np.testing.assert_allclose(one.at(end - 0.05), [[0.5], [-10.0], [0.0]], atol=1e-12)
+
+
+def test_a_way_after_a_rest_begins_straight():
+    one, end = places_after([0.0, 0.5, 2.0])
+    one.rest()
+    assert not one.at(end).any()
+    one.aim(np.ones(1), end + 0.1, end + 0.2)
+    np.testing.assert_allclose(one.at(end + 0.2), [[0.0], [-10.0], [0.0]], atol=1e-9)
