@@ -39,6 +39,7 @@ PLACES = (  # in tables; compiled code holds them: they must not depend on what 
     "apply_stiffness",
     "show_matrix",
     "add_contact",
+    "finish_step",
 )
 INTEGER = np.dtype(np.int64)
 

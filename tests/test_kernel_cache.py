@@ -12,7 +12,9 @@ from exudyn_inext import kernel_cache
 
 CHOOSE = """
 import sys, warnings
-sys.modules["exudyn_inext"] = type(sys)("exudyn_inext")  # nothing else of the package is imported
+for name in ("exudyn_inext", "numba"):  # nothing else of them is imported
+    sys.modules[name] = type(sys)(name)
+sys.modules["numba"].__version__ = "0"
 sys.modules["exudyn_inext"].__path__ = [{package!r}]
 from pathlib import Path
 from exudyn_inext import kernel_cache

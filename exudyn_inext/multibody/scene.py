@@ -9,9 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..called_system import has_nothing, implements
+from ..called_system import by_address, call_protocol, calls, has_nothing, implements
 from ..compiled import called_kernel, inlined, inlined_kernel, kernel, protocol
 from ..integrators.integrator import LoadHistory, advance, external_force
+from ..lowered import COUNT, VECTOR
 from ..scene.path_work import follow
 from ..system import (
     ACCELERATION_ENERGY,
@@ -406,15 +407,15 @@ def subtract_inertia_forces(bodies, q, v, force):
 
 
 @kernel
-def joint_violation(items, functions, q):
-    """Largest |c| at q (n,).   functions: (F,) of time."""
-    move_rows(items.joints.rows, functions)
-    for b in range(len(items.bodies)):
-        place_body(items.bodies[b], q)
-    place_points(items.points, items.bodies, q)
-    place_sliders(items.sliders, items.points, q)
-    set_values(items.joints, items.points)
-    return largest_value(items.joints, 0.0)
+def joint_violation(bodies, points, sliders, joints, functions, q):
+    """Largest |c| at q (n,).   functions: (F,) of time.   others: see `Items`."""
+    move_rows(joints.rows, functions)
+    for b in range(len(bodies)):
+        place_body(bodies[b], q)
+    place_points(points, bodies, q)
+    place_sliders(sliders, points, q)
+    set_values(joints, points)
+    return largest_value(joints, 0.0)
 
 
 @kernel
@@ -423,12 +424,39 @@ def subtract_joint_forces(joints, force):
     subtract_forces(joints, force)
 
 
+@protocol
+def finish_step(system, q, v, left, total):
+    """At the end of a step, in the state (q, v); whether a joint depends on others: 1 or 0.
+
+    left: number of intervals from the present one to the last.   total: memory of `path_work`, in one row.
+    """
+
+
+FINISH = by_address(finish_step, VECTOR, VECTOR, COUNT, VECTOR)
+
+
+@calls(finish_step)
+def finish_step_of_called(system, q, v, left, total):
+    return call_protocol(system, FINISH, (q, v, left, total))
+
+
+@implements(finish_step, SceneSystem)
+def finish_step_of_scene(system, q, v, left, total):
+    items = system.items
+    if items.counting[MODE] == ALL_BUT_FIRST:
+        follow(total.reshape(items.path.shape), q, items.force)
+        settle_contacts(items.contacts, items, q, v)
+    finish_contacts(items.contacts, left)
+    items.counting[EVALUATION] = 0
+    return 1.0 if len(items.joints.rows) > 0 and items.joints.dependent[0] >= 0 else 0.0
+
+
 @kernel
-def take_steps(scheme, system, items, loads, state, h, done, in_interval, history, total, before):
+def take_steps(scheme, system, loads, state, h, done, in_interval, history, total, before):
     """Steps of h [s], one for each row of the load history.
 
     Args:
-        scheme, system, state: see `integrators.integrator.advance`.   items: of the system.
+        scheme, system, state: see `integrators.integrator.advance`; a scene, called by address.
         loads: history of all steps.
         done: number of steps since the beginning of the history.   in_interval: steps in one of it.
         history: (intervals, 3, n) output, at the ends of intervals.
@@ -442,15 +470,10 @@ def take_steps(scheme, system, items, loads, state, h, done, in_interval, histor
         if step == steps - 1:
             for i in range(len(state.q)):
                 before[0, i], before[1, i] = state.q[i], state.a[i]
-        items.counting[EVALUATION] = 0
         one = LoadHistory(loads.constant, loads.pattern, loads.factor[step : step + 1], loads.work)
         interval = (done + step) // in_interval
         advance(scheme, system, one, state, h, 1, history[interval : interval + 1])
-        if items.counting[MODE] == ALL_BUT_FIRST:
-            follow(total, state.q, items.force)
-            settle_contacts(items.contacts, items, state.q, state.v)
-        finish_contacts(items.contacts, len(history) - interval)
-        if len(items.joints.rows) > 0 and items.joints.dependent[0] >= 0:
+        if finish_step(system, state.q, state.v, len(history) - interval, total.reshape(-1)) > 0.0:
             break
 
 

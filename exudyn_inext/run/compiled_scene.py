@@ -29,6 +29,7 @@ from ..multibody.scene import (
     SceneSystem,
     energies_of_spins,
     evaluate_states,
+    finish_step,
     joint_violation,
     leave_out_turns,
     subtract_joint_forces,
@@ -326,10 +327,10 @@ class CompiledScene:
             RedundantConstraintError: names a joint that depends on others.
         """
         items = self.system.items
-        items.counting[MODE] = EACH if watch.has_one_evaluation else ALL_BUT_FIRST
-        self._called = self._called or called(self.system, *self._calls)
+        items.counting[:] = EACH if watch.has_one_evaluation else ALL_BUT_FIRST, 0
+        self._called = self._called or called(self.system, *self._calls, finish_step)
         given, where = self.loads.sample(times), (piece.h, done, piece.in_interval, history)
-        self._take_steps(scheme, self._called, items, given, state, *where, watch.path, watch.before)
+        self._take_steps(scheme, self._called, given, state, *where, watch.path, watch.before)
         items.counting[MODE] = NOT_COUNTED
         self.require_independence()
         self._require_on_cables()
@@ -447,7 +448,7 @@ class CompiledScene:
         self._report(external, q, state.v, state.a, self._memory[0], energy_report)
         if len(self.multipliers) and scale < np.inf:
             functions = external[len(self.system.cable_force) :]
-            violation = self._violation(self.system.items, functions, q) / scale
+            violation = self._violation(*self._joined, functions, q) / scale
             energy_report[VIOLATION] = max(energy_report[VIOLATION], violation)
 
     def kinetic_energy(self, q: Array, v: Array) -> float:
@@ -471,9 +472,15 @@ class CompiledScene:
         if self._has_angles:
             leave_out_turns(self.system.items.bodies, way)
 
+    @property
+    def _joined(self) -> tuple[Any, ...]:
+        """What `joint_violation` looks at."""
+        items = self.system.items
+        return items.bodies, items.points, items.sliders, items.joints
+
     def violation(self, t: float, q: Array) -> float:
         """Largest |c| of the joints [m, -]."""
-        return float(self._violation(self.system.items, self.loads.of_joints(t), q))
+        return float(self._violation(*self._joined, self.loads.of_joints(t), q))
 
     def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
         """See `EvaluatedScene`."""

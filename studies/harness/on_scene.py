@@ -25,7 +25,7 @@ from .study import Results, Study, announce
 from .table import Table, groups, number
 from .timing import OK, measure
 
-QUICK_REPEATS = 2
+QUICK_REPEATS = 1
 LONG = 3.0  # CPU time of runs that are timed once [s]
 
 
@@ -55,7 +55,7 @@ class OnScene:
     cases: Callable[[Scene, bool], Sequence[Case]]
     paper: Mapping[str, Any] = field(default_factory=dict)
     reference: ReferenceOf = from_data
-    quick_end_time: float = 0.5
+    quick_end_time: float = 0.3
     repeats: int = 5
 
     def __call__(self, quick: bool) -> SceneResults:

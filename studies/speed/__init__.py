@@ -83,7 +83,7 @@ STUDIES = (
     ),
     benchmark(
         "realtime", "How long does a single step take at worst, against the step size?",
-        [Series("step", realtime.cases, realtime.row, realtime.portions, rounds=(5, 100))],
+        [Series("step", realtime.cases, realtime.row, realtime.portions, rounds=(2, 100))],
         [
             Bar(realtime.steps, "percentile999", "wall time of 99.9 % of the steps [us]", 1000.0, noise=5.0),
             Bar(realtime.steps, "cpuWorst", "CPU time of the longest step [us]"),

@@ -41,7 +41,7 @@ STEPS, SCENES, WARM_UP = (20_000, 10_000_000), (6, 200), (3, 20)  # of a quick a
 CONTROL = 1e-10  # bending damping [N m^2 s]
 DRIFT, VIOLATION, GROWTH = 0.1, 1e-9, 0.05  # limits, see above
 MEGA = 1e6
-QUICK = ("joined to bodies", "penaltyMass, native RK44", "control: penaltyMass, kept")
+QUICK = ("joined to bodies", "control: compiled steps, kept")
 POINTS = 500  # of a curve that is stored
 
 

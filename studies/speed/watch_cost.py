@@ -76,7 +76,7 @@ def alone(case: Row) -> Ways:
     initial = run.state.q.copy(), run.state.v.copy()
     loads = run.loads.sample(inner.Piece(0.0, 0, h, STEPS, STEPS, True), run.integrator.stages)
     history = np.zeros((STEPS // STEPS_OF_AN_OUTPUT, 3, run.state.q.size))
-    motion = (explicit.method[1], run.system, loads, run.state, h, STEPS_OF_AN_OUTPUT, history)
+    motion = (explicit.method[1], run.called, loads, run.state, h, STEPS_OF_AN_OUTPUT, history)
 
     def task(times: int, **changed: int) -> None:
         watch = run.watch.watch._replace(**changed)

@@ -88,7 +88,7 @@ def test_chains_of_many_lengths_agree_with_the_dense_solve(measure, dim, n_bar):
 @all_supports
 def test_long_chains_agree_with_the_dense_solve(measure, dim, supports):
     for n_bar in LENGTH_CONSTRAINTS.values():
-        compare(random_state(33, 40, dim, measure, n_bar(40), supports))
+        compare(random_state(33, 24, dim, measure, n_bar(24), supports))
 
 
 @pytest.mark.kernel

@@ -5,7 +5,9 @@ import importlib
 import os
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +15,7 @@ from PIL import Image, ImageSequence
 
 import examples
 import exudyn_inext
-from examples import animation, net_film, outlines, tethered_bodies
+from examples import animation, net_film, outlines, tethered_bodies, thrown_net
 from exudyn_inext import DivergenceError
 from reference_models.model import silence
 from tests.examples.twins import run_inextensible
@@ -84,6 +86,7 @@ def test_the_animation_is_a_film_of_the_four_scenes(tmp_path, monkeypatch):
 
 def test_the_film_of_the_net_shows_it_moving(tmp_path, monkeypatch):
     monkeypatch.setattr(animation.picture, "FOLDER", tmp_path)
+    monkeypatch.setattr(net_film, "thrown_net", SimpleNamespace(run=partial(thrown_net.run, endTime=0.1)))
     with silence():
         net_film.main(frames=2)
     with Image.open(tmp_path / "thrown_net.gif") as film:

@@ -50,7 +50,7 @@ from tests.exudyn_binding.items import native_cable
 
 TEMPLATE = InextensibleCable(massPerLength=0.0348, bendingStiffness=0.0866)
 PINNED = [True, True, False, False]
-STEP = 5e-4
+STEP = 1e-3
 TIP = [1.8, 0, 0]
 
 
@@ -455,12 +455,15 @@ AMONG_OTHERS = [
 KINDS = [*ALONE, *AMONG_OTHERS]
 
 
-def moved(kind, native, register="SetPreStepUserFunction", end_time=0.6, step=STEP, dim=2, **explicit):
+SMALL_STEPS = {hanger_that_catches: STEP / 2}  # with longer ones the implicit solver ends there
+
+
+def moved(kind, native, register="SetPreStepUserFunction", end_time=0.6, step=None, dim=2, **explicit):
     """The model after a run with that kind of changes."""
     model = Model(native, dim)
     change = kind(model)
     getattr(model.mbs, register)(lambda mbs, t: change(t) or True)
-    report = model.run(end_time, step, **explicit)
+    report = model.run(end_time, step or SMALL_STEPS.get(kind, STEP), **explicit)
     return SimpleNamespace(model=model, motion=model.motion, report=report)
 
 
@@ -562,7 +565,7 @@ def test_every_scheme_follows_changes(kind, integrator):
 def test_changes_act_with_steps_that_adapt_and_with_mass_scaling(kind, options):
     ours = moved(kind, False, **options)
     assert deviation(ours.motion, native_motion(kind, 2)) < 0.01
-    assert ours.report["steps"] >= 1200
+    assert ours.report["steps"] >= 600
 
 
 @pytest.mark.parametrize("kind", [force_on_a_node, release, moving_support, hanger], ids=name_of)
@@ -578,7 +581,7 @@ def test_the_motion_is_that_of_a_stiff_native_cable(kind):
 def begun_anew(kind, native):
     """Motion in the second of two runs of the same mbs: parameters stay, the state is the initial one."""
     run = moved(kind, native, end_time=0.4)
-    settings = quiet_settings(0.4, 800)
+    settings = quiet_settings(0.4, round(0.4 / STEP))
     settings.timeIntegration.generalizedAlpha.spectralRadius = 0.8
     first = run.motion
     run.model.mbs.SetPreStepUserFunction(lambda mbs, t: True)

@@ -243,7 +243,7 @@ def test_what_user_functions_change_during_a_run_is_no_other_scene(new_mbs, add_
 PRINT_IDENTITY = """
 import json, sys
 sys.path.insert(0, {root!r})
-import exudyn
+import exudyn, scipy.interpolate  # as they are
 from exudyn_inext import ExplicitSettings
 from exudyn_inext.exudyn_binding.scene_identity import scene_identity
 sys.pycache_prefix = {compiled!r}

@@ -29,8 +29,7 @@ def machine_independent_code(dim: int, measure: CurvatureMeasure) -> str:
 
 
 @pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
-@pytest.mark.parametrize("dim", DIMENSIONS)
-@pytest.mark.parametrize("measure", MEASURES)
+@pytest.mark.parametrize(("dim", "measure"), list(zip(DIMENSIONS, MEASURES, strict=True)))
 def test_small_matrices_of_a_step_stay_in_registers(dim, measure):
     code = machine_independent_code(dim, measure)
     assert re.findall(r"%local_array\S* = alloca.*", code) == []

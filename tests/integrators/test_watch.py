@@ -36,6 +36,7 @@ class WatchedPendulum:
         cable = replace(cable, section=replace(cable.section, bending_damping=damping))
         self.integrator = INTEGRATORS[name]
         self.system = CableSystem(build_chain(cable), 100.0)
+        self.called = called(self.system, *self.integrator.calls, report_energy)
         self.constant = gravity_force(cable, gravity).ravel()
         self.pattern = np.zeros((int(force is not None), self.constant.size))
         self.pattern[:, -3] = 1.0
@@ -59,8 +60,7 @@ class WatchedPendulum:
         """Steps that went well, and q, v, a after each of them."""
         history = np.zeros((steps, 3, self.constant.size))
         scheme, loads = self.integrator.scheme(), self.loads(h, steps)
-        system = called(self.system, *self.integrator.calls, report_energy)
-        good = record_watched(scheme, system, loads, self.state, h, 1, history, self.watch)
+        good = record_watched(scheme, self.called, loads, self.state, h, 1, history, self.watch)
         if good < steps:
             go_back(self.watch, self.state)
         return good, history[:good]
@@ -166,7 +166,7 @@ def test_intervals_longer_and_shorter_than_those_between_inspections_give_the_sa
         history = np.zeros((500 // steps, 3, pendulum.constant.size))
         scheme, loads = pendulum.integrator.scheme(), pendulum.loads(2e-3, 500)
         good = record_watched(
-            scheme, pendulum.system, loads, pendulum.state, 2e-3, steps, history, pendulum.watch
+            scheme, pendulum.called, loads, pendulum.state, 2e-3, steps, history, pendulum.watch
         )
         assert good == len(history)
         ends.append(history[-1])

@@ -217,7 +217,7 @@ def test_realtime_gives_the_distribution_of_single_steps(run_quick):
     assert steps == {(elements, collects) for elements in (5, 20, 50) for collects in (True, False)}
     for row in rows:
         assert 0 <= row["median"] <= row["percentile999"] <= row["worst"]
-        assert row["samples"] == 5000 and 0 <= row["lateShare"] <= 1
+        assert row["samples"] == 2000 and 0 <= row["lateShare"] <= 1
 
 
 def test_soak_watches_energy_constraints_and_memory(run_quick):
@@ -232,7 +232,7 @@ def test_soak_watches_energy_constraints_and_memory(run_quick):
         assert row["scenes"] == 6 and len(row["megabytes"]) == 9
         assert 10.0 < row["firstMegabytes"] < 1000.0
     kilobytes = {row["label"]: row["kilobytesAScene"] for row in rows["memory"]}
-    assert kilobytes["control: penaltyMass, kept"] > 50.0 + kilobytes["penaltyMass, native RK44"]
+    assert kilobytes["control: compiled steps, kept"] > 50.0 + kilobytes["joined to bodies"]
 
 
 def test_soak_finds_a_drift_and_memory_that_grows():

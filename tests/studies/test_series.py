@@ -46,7 +46,9 @@ def test_a_series_runs_from_the_command_line(monkeypatch, tmp_path, capsys):
 
 def test_a_function_asked_in_a_process_of_its_own_has_one_thread_for_linear_algebra(monkeypatch):
     monkeypatch.setenv("OPENBLAS_NUM_THREADS", "2")
-    assert ask(os.getpid) != os.getpid() and ask(os.getenv, "OPENBLAS_NUM_THREADS") == "1"
+    asked = "(os := __import__('os')).getpid(), os.environ['OPENBLAS_NUM_THREADS']"
+    process, threads = ask(eval, asked)
+    assert process != os.getpid() and threads == "1"
 
 
 def test_a_process_that_dies_is_named():
