@@ -10,6 +10,7 @@ import numpy as np
 
 from ..cable.attached import PointMass
 from ..cable.link import Link, Motion, rest
+from ..checks import require_flag
 from ..constraints.prescribed_motion import prescribed
 from ..errors import SceneError
 from ..items.arguments import described, require_system
@@ -62,6 +63,24 @@ def require_assembled(mbs: Any) -> None:
     if refused := unsuitable_items(mbs):
         raise SceneError(f"mbs cannot be assembled with {'; '.join(refused)}: {REMEDY}.")
     raise SceneError("mbs is not assembled: call mbs.Assemble() before it is solved or evaluated.")
+
+
+def assemble(mbs: Any, who: str, autoAssemble: bool) -> None:
+    """Assemble mbs if it is not, and that is asked for, as Exudyn's own solvers do.   who: for the console.
+
+    Raises:
+        InputError: autoAssemble is no flag.
+        SceneError: mbs is not assembled, or cannot be.
+    """
+    is_asked_for = require_flag("autoAssemble", autoAssemble)
+    require_system(mbs)
+    if is_asked_for and not mbs.systemIsConsistent and not unsuitable_items(mbs):
+        exudyn.Print(  # type: ignore[call-arg]
+            f"WARNING: {who}: mbs is not assembled, so that mbs.Assemble() is called; autoAssemble=False "
+            "refuses it instead"
+        )
+        mbs.Assemble()
+    require_assembled(mbs)
 
 
 def read_constraint(mbs: Any, number: int, data: dict[str, Any]) -> Constraint | None:

@@ -32,7 +32,7 @@ from .idle_integrator import changed, idle_integrator, nothing
 from .mbs_state import at_start, first_row, initial_state
 from .reports import ExplicitReport
 from .restart import Restarts
-from .scene import read_scene, require_assembled
+from .scene import assemble, read_scene
 from .scene_runs import RunBuilder, bounds_if_scaled
 from .sensors import OutputTimes, observed_derivatives, warn_of_empty_sensors
 from .stretch_check import left_out_stretch, warn_of_worst
@@ -51,6 +51,7 @@ def SolveExplicit(
     simulationSettings: Any = None,
     explicitSettings: ExplicitSettings | None = None,
     updateInitialValues: bool = False,
+    autoAssemble: bool = True,
 ) -> dict[str, Any]:
     """Explicit dynamics of a scene with inextensible cables, in Exudyn's own time loop.
 
@@ -98,11 +99,12 @@ def SolveExplicit(
     not append to them. With `write`, rows are flushed to their files at once.
 
     Args:
-        mbs: assembled system; its inextensible cables start from the initial configuration.
+        mbs: system; its inextensible cables start from the initial configuration.
         simulationSettings: exudyn.SimulationSettings; used are startTime, endTime, numberOfSteps,
             verboseMode and all solution (output) settings.
         explicitSettings: integrator, step size, stabilisation.
         updateInitialValues: whether the state at the end becomes the initial one, where the next run begins.
+        autoAssemble: whether mbs.Assemble() is called if mbs is not assembled, as mbs.SolveDynamic does.
 
     Returns:
         dict, which prints as a summary, with 'success', 'integrator', 'steps', 'loopSteps' (of Exudyn's
@@ -118,8 +120,8 @@ def SolveExplicit(
 
     Raises:
         InputError: arguments or times out of their limits, or files that cannot be written.
-        SceneError: mbs not assembled, inconsistent, or contains what explicit steps cannot take; or a user
-            function makes a change that a run cannot follow.
+        SceneError: mbs cannot be assembled, or shall not, is inconsistent, or contains what explicit steps
+            cannot take; or a user function makes a change that a run cannot follow.
         StepSizeError: stepSize is above the stability limit.
         RedundantConstraintError: constraints that depend on each other.
         DivergenceError: the run left the finite numbers or its constraints, or gained energy; mbs holds the
@@ -131,7 +133,7 @@ def SolveExplicit(
     settings = simulation_settings(simulationSettings)
     explicit = explicit_settings(explicitSettings)
     require_flag("updateInitialValues", updateInitialValues)
-    require_assembled(mbs)
+    assemble(mbs, "SolveExplicit", autoAssemble)
     refuse_newton_functions(mbs)
     take_word(mbs, explicit.dependsOnTimeOnly)
     longest = math.inf

@@ -36,7 +36,7 @@ from ..statics import (
 from ..statics.support_forces import support_forces
 from .mbs_state import at_start
 from .reports import StaticReport
-from .scene import initial_states, read_scene, require_assembled
+from .scene import assemble, initial_states, read_scene
 from .scene_runs import needs_coupling
 from .spans import spans_of
 from .stretch_check import stretch_of, warn_of_worst
@@ -116,7 +116,10 @@ class StaticSettings:
 
 
 def SolveEquilibrium(
-    mbs: Any, simulationSettings: Any = None, staticSettings: StaticSettings | None = None
+    mbs: Any,
+    simulationSettings: Any = None,
+    staticSettings: StaticSettings | None = None,
+    autoAssemble: bool = True,
 ) -> dict[str, Any]:
     """Static equilibrium of a scene with inextensible cables; the counterpart of mbs.SolveStatic.
 
@@ -129,12 +132,13 @@ def SolveEquilibrium(
     mbs.SolveStatic, which is opposite to that of mbs.SolveDynamic.
 
     Args:
-        mbs: assembled system.
+        mbs: system.
         simulationSettings: exudyn.SimulationSettings; used are timeIntegration.startTime, at which loads and
             moving supports are taken, and what is written: the equilibrium in the solution file and sensors,
             at the time staticSolver.loadStepStart + loadStepDuration, for which sensors ask user functions of
             the time; None: nothing is written.
         staticSettings: tolerances and load steps.
+        autoAssemble: whether mbs.Assemble() is called if mbs is not assembled, as mbs.SolveStatic does.
 
     Returns:
         dict, which prints as a summary, with 'success', 'residual' [N], 'violation' of constraints [-, m],
@@ -146,8 +150,8 @@ def SolveEquilibrium(
 
     Raises:
         InputError: arguments of another kind, or more than one load step among bodies, springs and joints.
-        SceneError: mbs not assembled, contains what is not supported, supports farther apart than
-            the cable between them is long, or something that nothing connects to the ground.
+        SceneError: mbs cannot be assembled, or shall not, contains what is not supported, supports farther
+            apart than the cable between them is long, or something that nothing connects to the ground.
         EquilibriumError: no stable equilibrium within reach; mbs is unchanged, the error's `report` has
             the figures and the last coordinates.
 
@@ -158,7 +162,7 @@ def SolveEquilibrium(
     """
     settings = simulation_settings(simulationSettings)
     static: StaticSettings = settings_of(StaticSettings, "staticSettings", staticSettings)
-    require_assembled(mbs)
+    assemble(mbs, "SolveEquilibrium", autoAssemble)
     take_word(mbs, static.dependsOnTimeOnly)
     time = require_finite("timeIntegration.startTime", settings.timeIntegration.startTime, "s")
     with ExitStack() as stack:

@@ -1,5 +1,7 @@
 """What a function does not deal with, or SolveExplicit cannot start from, is named; mbs stays as it was."""
 
+from functools import partial
+
 import exudyn
 import numpy as np
 import pytest
@@ -24,6 +26,7 @@ from exudyn_inext import (
     RedundantConstraintError,
     SceneError,
     SolveEquilibrium,
+    SolveExplicit,
 )
 from reference_models.model import quiet_settings, silence
 
@@ -35,7 +38,9 @@ def refused(mbs, solve, contents, message, error=SceneError):
     assert contents(mbs) == before
 
 
-def test_a_system_that_is_not_assembled_is_refused(mbs, add_pendulum, solve, contents):
+@pytest.mark.parametrize("solve", [SolveExplicit, SolveEquilibrium], ids=lambda one: one.__name__)
+def test_a_system_that_is_not_assembled_is_refused_if_that_is_asked_for(mbs, add_pendulum, solve, contents):
+    solve = partial(solve, autoAssemble=False)
     add_pendulum(mbs)
     refused(mbs, solve, contents, r"not assembled: call mbs.Assemble\(\)")
     mbs.Assemble()

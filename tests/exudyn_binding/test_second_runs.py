@@ -1,14 +1,20 @@
 """A run of an mbs begins at the initial configuration, whatever earlier runs have left in it."""
 
+from functools import partial
+
 import exudyn
 import numpy as np
 import pytest
+from exudyn.beams import GenerateBeamElementsAlongLine
 from exudyn.itemInterface import (
     CoordinateConstraint,
+    Force,
     MarkerBodyRigid,
     MarkerNodeCoordinate,
+    MarkerNodePosition,
     NodeGenericData,
     NodePointGround,
+    ObjectANCFCable2D,
     SensorBody,
     SphericalJoint,
     TorsionalSpringDamper,
@@ -137,3 +143,49 @@ def test_velocities_that_a_native_run_has_left_are_taken_without_a_warning(mbs, 
     data.SetSystemState(data.GetSystemState(), exudyn.ConfigurationType.Initial)
     settings.timeIntegration.startTime, settings.timeIntegration.endTime = 0.4, 0.5
     assert solve(mbs, settings=settings)["success"]
+
+
+def two_runs(mbs, cable, solve):
+    """An end of a cable that falls, on which a force acts in the second run; nobody calls mbs.Assemble()."""
+    settings = quiet_settings(0.1, 100)
+    with silence():
+        solve(settings, updateInitialValues=True)
+        end = mbs.AddMarker(MarkerNodePosition(nodeNumber=cable["nodes"][-1]))
+        mbs.AddLoad(Force(markerNumber=end, loadVector=[0, 0.05, 0]))
+        settings.timeIntegration.startTime, settings.timeIntegration.endTime = 0.1, 0.2
+        solve(settings, updateInitialValues=True)
+    return mbs.GetNodeOutput(cable["nodes"][-1], exudyn.OutputVariableType.Position)
+
+
+def test_a_system_is_assembled_as_by_exudyns_solvers(mbs, new_mbs, add_pendulum):
+    cable = add_pendulum(mbs)
+    given = {
+        "positionStart": [0, 0, 0],
+        "positionEnd": [1.8, 0, 0],
+        "numberOfElements": 10,
+        "gravity": [0, -9.81, 0],
+        "groundConstraintsStart": [True, True, False, False],
+    }
+    template = ObjectANCFCable2D(
+        massPerLength=0.03477, bendingStiffness=0.08665, axialStiffness=86645, useReducedOrderIntegration=2
+    )
+    twin = new_mbs()
+    native = two_runs(
+        twin, GenerateBeamElementsAlongLine(twin, beamTemplate=template, **given), twin.SolveDynamic
+    )
+    found = two_runs(mbs, cable, partial(SolveExplicit, mbs))
+    np.testing.assert_allclose(found, native, atol=1e-3)
+    assert found[1] > -0.02  # without the force it is at -0.05
+
+
+def test_an_equilibrium_is_that_of_a_system_that_it_assembles(mbs, new_mbs, add_pendulum):
+    found = []
+    for one, is_assembled in ((mbs, False), (new_mbs(), True)):
+        cable = add_pendulum(one)
+        if is_assembled:
+            one.Assemble()
+        with silence():
+            SolveEquilibrium(one)
+        found.append(one.GetNodeOutput(cable["nodes"][-1], exudyn.OutputVariableType.Position))
+    np.testing.assert_array_equal(*found)
+    assert found[0][1] < -1.79

@@ -276,6 +276,7 @@ INCONSISTENT = [
     ("initialVelocities", [NAN, 0, 0, 0], r"initial velocities .* by nan \(limit .*correct the initial"),
     ("initialVelocities", [0, 0, -INF, 0], r"initial velocities .* by nan \(limit .*correct the initial"),
 ]
+NOT_ASSEMBLED = {"mbs": MBS, "autoAssemble": False}
 NEEDS_ASSEMBLY = r"not assembled: call mbs.Assemble\(\) before"
 
 SOLVE_EXPLICIT = [
@@ -378,9 +379,9 @@ SOLVE_EXPLICIT = [
         scene=overloaded,
         good=nothing_more,
     ),
-    Row(SolveExplicit, {"mbs": MBS}, NEEDS_ASSEMBLY, SceneError, scene=loose_pendulum),
-    Row(SolveExplicit, {"mbs": MBS}, NEEDS_ASSEMBLY, SceneError, scene=changed_after_assembly),
-    Row(SolveExplicit, {"mbs": MBS}, NEEDS_ASSEMBLY, SceneError, scene=empty),
+    Row(SolveExplicit, NOT_ASSEMBLED, NEEDS_ASSEMBLY, SceneError, scene=loose_pendulum),
+    Row(SolveExplicit, NOT_ASSEMBLED, NEEDS_ASSEMBLY, SceneError, scene=changed_after_assembly),
+    Row(SolveExplicit, NOT_ASSEMBLED, NEEDS_ASSEMBLY, SceneError, scene=empty),
     Row(
         SolveExplicit,
         {"mbs": MBS},
@@ -588,7 +589,7 @@ EQUILIBRIUM = [
             (with_time(startTime=INF), r"startTime = inf: must be a finite number \[s\]"),
         ],
     ),
-    Row(SolveEquilibrium, {"mbs": MBS}, NEEDS_ASSEMBLY, SceneError, scene=loose_pendulum),
+    Row(SolveEquilibrium, NOT_ASSEMBLED, NEEDS_ASSEMBLY, SceneError, scene=loose_pendulum),
     Row(
         SolveEquilibrium, {"mbs": MBS}, r"no inextensible cable: use mbs.SolveStatic", SceneError, scene=reset
     ),
