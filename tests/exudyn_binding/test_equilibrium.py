@@ -287,7 +287,7 @@ def test_what_cannot_be_solved_is_refused(new_mbs, add_pendulum):
     mbs = new_mbs()
     add_pendulum(mbs)
     with pytest.raises(SceneError, match="not assembled"):
-        SolveEquilibrium(mbs)
+        SolveEquilibrium(mbs, autoAssemble=False)
     mbs.CreateMassPoint(referencePosition=[1, 0, 0], mass=1.0)
     mbs.Assemble()
     with pytest.raises(SceneError, match="MassPoint"):

@@ -281,7 +281,7 @@ def test_kernels_are_called_with_the_types_that_they_are_prepared_for(kind, monk
 
     monkeypatch.setattr(Prepared, "__call__", checked)
     moved(kind, False, end_time=0.05)
-    assert len(calls) >= 100
+    assert len(calls) >= 50  # as many as steps
 
 
 def force_that_is_switched_on(model):
@@ -339,7 +339,7 @@ def test_a_change_after_many_steps_without_one_acts_in_the_next_step(kind, monke
     "kind", [force_that_is_switched_on, force_on_a_mass_that_is_switched_on], ids=name_of
 )
 def test_a_force_that_is_switched_on_late_acts_as_under_the_implicit_solver(kind):
-    ours, native = (moved(kind, is_native, end_time=0.4) for is_native in (False, True))
+    ours, native = (moved(kind, is_native, end_time=0.4, step=5e-4) for is_native in (False, True))
     assert deviation(ours.motion, native.motion) < 0.003
 
 
