@@ -76,8 +76,8 @@ def assemble(mbs: Any, who: str, autoAssemble: bool) -> None:
     require_system(mbs)
     if is_asked_for and not mbs.systemIsConsistent and not unsuitable_items(mbs):
         exudyn.Print(  # type: ignore[call-arg]
-            f"WARNING: {who}: mbs is not assembled, so that mbs.Assemble() is called; autoAssemble=False "
-            "refuses it instead"
+            f"WARNING: {who}: mbs is not assembled, so that mbs.Assemble() is called, and it begins with "
+            "the initial values of the nodes; autoAssemble=False refuses it instead"
         )
         mbs.Assemble()
     require_assembled(mbs)

@@ -146,7 +146,10 @@ def test_velocities_that_a_native_run_has_left_are_taken_without_a_warning(mbs, 
 
 
 def two_runs(mbs, cable, solve):
-    """An end of a cable that falls, on which a force acts in the second run; nobody calls mbs.Assemble()."""
+    """End of a falling cable, on which a force acts in the second run; nobody calls mbs.Assemble().
+
+    To assemble mbs sets the initial values to those of the nodes, so that the second run begins anew.
+    """
     settings = quiet_settings(0.1, 100)
     with silence():
         solve(settings, updateInitialValues=True)
