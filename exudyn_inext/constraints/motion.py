@@ -41,10 +41,8 @@ def motion_of(
         if velocity is None:
             values = many_differences(position, times)
         else:
-            rates = (
-                [_given(velocity, times)] * 2 if acceleration else [many_differences(velocity, times)[:, :2]]
-            )
-            values = np.concatenate([_given(position, times), *rates], axis=1)
+            rates = many_differences(velocity, times) if acceleration is None else _given(velocity, times)
+            values = np.concatenate([_given(position, times), rates, rates], axis=1)[:, :3]
         if acceleration is not None:
             values[:, 2:] = _given(acceleration, times)
         values.flags.writeable = False
