@@ -7,11 +7,12 @@ import scipy
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Places = NDArray[np.int_]
 SparseArray: TypeAlias = "scipy.sparse.csr_array"
 """Modules say `import scipy` alone: parts of it take long to import, and only where they are used first."""
 
 
-def as_slice(indices: NDArray[np.int_]) -> Any:
+def as_slice(indices: Places) -> Any:
     """The same places as a slice, if they follow each other: it is copied several times faster."""
     first = int(indices[0])
     follow_each_other = np.array_equal(indices, np.arange(first, first + len(indices)))

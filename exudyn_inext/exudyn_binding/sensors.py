@@ -8,6 +8,7 @@ from typing import Any
 import exudyn
 import numpy as np
 
+from ..arrays import Array
 from ..items.attach.inert import is_inert_cable
 from ..items.functions_that_look import Look
 
@@ -29,6 +30,7 @@ _OF_VELOCITIES = {_Type.Velocity, _Type.Coordinates_t, _Type.AngularVelocity}
 _SECTION_FORCES = {_Type.ForceLocal, _Type.TorqueLocal}
 _LAST_WRITTEN = "lastSolutionWritten", "lastSensorsWritten"  # Exudyn keeps the next times there
 _CONSTRAINT_FORCES = {_Type.Force, _Type.ForceLocal}
+_ROUND_OFF = 1e-10  # by which Exudyn writes too early [s]
 
 
 def observed_derivatives(settings: Any, sensors: Sequence[Any], look: Look = Look.NOTHING) -> int:
@@ -57,30 +59,53 @@ class OutputTimes:
     Args:
         settings, sensors, look: see `observed_derivatives`.
         look_of_items: gives what functions look at that items call, if it is asked for.
+        solver: of Exudyn, that writes.
     """
 
     def __init__(
-        self, settings: Any, sensors: Sequence[Any], look: Look, look_of_items: Callable[[], Look]
+        self,
+        settings: Any,
+        sensors: Sequence[Any],
+        look: Look,
+        look_of_items: Callable[[], Look],
+        solver: Any,
     ) -> None:
-        self._look, self._look_of_items = look, look_of_items
+        self._look, self._look_of_items, self._solver = look, look_of_items, solver
         are_sensed = max(map(_derivatives_of, sensors), default=POSITIONS) == ACCELERATIONS
         self._at_all = {Look.ANYTHING, Look.SENSORS} if are_sensed else {Look.ANYTHING}
-        written = settings.solution.file.write, settings.solution.sensors.active and are_sensed
-        self._written = [name for name, is_written in zip(_LAST_WRITTEN, written, strict=True) if is_written]
+        solution = settings.solution
+        to_file = solution.file.write, solution.file.writePeriod
+        by_sensors = solution.sensors.active and are_sensed, solution.sensors.writePeriod
+        periods = zip(_LAST_WRITTEN, (to_file, by_sensors), strict=True)
+        self._written = {name: period for name, (is_written, period) in periods if is_written}
 
     @cached_property
     def items_look_at_forces(self) -> bool:
         """Whether functions of items may look at accelerations and forces, or change something."""
         return self._look_of_items() in self._at_all
 
-    def include(self, time: float, step: float, solver: Any, asks_items: bool) -> bool:
+    def include(self, time: float, step: float, asks_items: bool) -> bool:
         """Whether a step of the loop, of that length, may be one that ends at `time` [s].
 
         asks_items: whether functions of items are called in steps, which may look, too.
         """
-        to_be_written = [getattr(solver.output, name) for name in self._written]
+        to_be_written = [getattr(self._solver.output, name) for name in self._written]
         are_all = self._look in self._at_all or (asks_items and self.items_look_at_forces)
         return are_all or time > min(to_be_written, default=np.inf) - 0.5 * step
+
+    def among(self, times: Array) -> Array:
+        """(k,) whether files are written, or may be, after the next steps, which end at these times [s].
+
+        As Exudyn decides on it, see WriteSolutionToFile in its CSolverBase.cpp.
+        """
+        result = np.zeros(len(times), bool)
+        for name, period in self._written.items():
+            due = getattr(self._solver.output, name)
+            for k, time in enumerate(times.tolist()):
+                result[k] |= time > due - 2.0 * _ROUND_OFF
+                if time > due - 0.5 * _ROUND_OFF:
+                    due = max(due + period, time)
+        return result
 
 
 def _derivatives_of(sensor: dict[str, Any]) -> int:

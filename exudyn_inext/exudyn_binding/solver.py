@@ -223,7 +223,7 @@ def _solve(
         changes = ChangeFollower(mbs, scene, reader, log, builder, limit, sensors, moves)
         restarts.changes_so_far = changes.stored
         loop = ExplicitTimeLoop(mbs, runs, grid, restarts, observed_derivatives(*looking), changes)
-        loop.output_times = OutputTimes(*looking, partial(look_of_item_functions, mbs))
+        loop.output_times = OutputTimes(*looking, partial(look_of_item_functions, mbs), solver)
         loop.step_is_from = decided_by if explicit.stepSize is None else ""
         shown: AbstractContextManager[None] = nullcontext()
         if restarts.found:

@@ -83,7 +83,7 @@ class ExplicitTimeLoop:
         self._places = [as_slice(run.indices) for run in runs]
         self._computed = grid.first  # steps of the loop
         self._ahead: tuple[int, Array] = (0, np.zeros((0, ACCELERATIONS, 0)))  # first step and its states
-        self._reactions: deque[Array] = deque()  # after the steps that have been computed, if they are shown
+        self._reactions: deque[Array | None] = deque()  # after computed steps, where somebody looks at them
         self._last_reactions: Array | None = None
         self._remembered: deque[Any] = deque()  # by contacts, after these steps
         self._last_steps = LastSteps(mbs.sys, runs)
@@ -146,8 +146,9 @@ class ExplicitTimeLoop:
             for put, values in zip(setters, next_state(), strict=True):
                 put(values)
             for waiting, put in besides:
-                if waiting:
-                    put(waiting.popleft())
+                values = waiting.popleft() if waiting else None
+                if values is not None:
+                    put(values)
             for contact in self._contacts:
                 contact.UpdateContacts(mbs)
             return True
@@ -197,7 +198,7 @@ class ExplicitTimeLoop:
                 with self._remembering_errors:
                     self._take_over_changes()
                     self._follow_changes()
-                self._shows_forces = self._sees_forces and self._is_output(solver)
+                self._shows_forces = self._sees_forces and self._is_output()
             plain(solver, mbs, settings)
             return True
 
@@ -216,7 +217,7 @@ class ExplicitTimeLoop:
         """Whether steps that functions of the user take part in may be computed before they see the first."""
         return self._asks_ahead or all(run.is_steady for run in self.runs)
 
-    def _is_output(self, solver: Any) -> bool:
+    def _is_output(self) -> bool:
         """Whether somebody looks at accelerations and forces after the next steps that are computed.
 
         Where items ask for the state, these steps end there.
@@ -226,17 +227,17 @@ class ExplicitTimeLoop:
         if self.output_times is None or (steps > 1 and not self._asks_ahead):
             return True
         for number in range(1, steps + 1):
-            if self._computed + number >= self.grid.loop_steps or self._is_written(number, solver):
+            if self._computed + number >= self.grid.loop_steps or self._is_written(number):
                 self._until_output = number
                 return True
         return False
 
-    def _is_written(self, number: int, solver: Any) -> bool:
+    def _is_written(self, number: int) -> bool:
         """Whether somebody looks at accelerations and forces after so many of the next steps."""
         assert self.output_times is not None
         asks_items = not all(run.looks_ahead or run.is_steady for run in self.runs)
         time, step = self.grid.time(self._computed + number), self.grid.substeps * self.grid.h
-        return self.output_times.include(time, step, solver, asks_items)
+        return self.output_times.include(time, step, asks_items)
 
     def _next_state(self) -> Any:
         """As `_blocks_of_states` gives it, and remembered as what mbs then holds."""
@@ -363,37 +364,60 @@ class ExplicitTimeLoop:
         """
         takes_last_step = self._computed + intervals == self.grid.loop_steps
         states = np.zeros((intervals, 3, len(self._written[0])))
-        reactions = np.zeros((intervals if self._shows_forces else 1, self._data.AEsize()))
-        good, are_set = intervals, False
+        reactions: list[Array | None] = [None] * intervals
+        good = intervals
         begins = not self._is_watched and self.restarts.may_begin(self.grid, self._computed)
         for run, places, kept in zip(self.runs, self._places, self.kept_states, strict=True):
             history, run.may_begin_again = np.empty((intervals, 3, len(run.indices))), begins
             good = min(good, run.record(self.grid, self._computed, history))
             kept.keep(self.grid, self._computed, history[:good])
             if good and not run.completes and (self._shows_forces or takes_last_step):
-                time = self.grid.time(self._computed + good)
-                history[good - 1, 2] = run.accelerations(time, reactions[-1])
-                are_set = True
+                self._complete_last(run, history[:good], reactions)
             elif good and (self._shows_forces or takes_last_step or not self._is_watched):
-                are_set |= self._complete(run, history[:good], reactions)
+                self._complete(run, history[:good], reactions)
             states[:, :, places] = history
             if run.remembered is not None:
                 self._remembered.extend(run.remembered.tolist())
-        self._last_reactions = reactions[min(good, len(reactions)) - 1] if are_set and good else None
-        if are_set and self._shows_forces:
+        self._last_reactions = reactions[good - 1] if good else None
+        if self._shows_forces:
             self._reactions.extend(reactions[:good])
         self._last_steps.keep(self.grid.time(self._computed + 1), self.grid.substeps * self.grid.h, good)
         self._computed += intervals
         return states, good
 
-    def _complete(self, run: Run, history: Array, reactions: Array) -> bool:
+    def _complete_last(self, run: Run, history: Array, reactions: list[Array | None]) -> None:
+        """Accelerations and reactions in the last of these states, which mbs is in.   reactions: output."""
+        last = len(history) - 1
+        own = self._reactions_at(last, reactions)
+        history[last, 2] = run.accelerations(self.grid.time(self._computed + 1 + last), own)
+
+    def _complete(self, run: Run, history: Array, reactions: list[Array | None]) -> None:
         """Accelerations and reactions in the states that somebody looks at, and in the last one.
 
-        Returns whether there are reactions.
+        reactions: output, None in others.
         """
-        first = 0 if self._shows_forces and not self._asks_ahead else len(history) - 1
-        times = np.array([self.grid.time(self._computed + 1 + k) for k in range(first, len(history))])
-        return run.complete(times, history[first:], reactions[-len(times) :])
+        times = np.array([self.grid.time(self._computed + 1 + k) for k in range(len(history))])
+        rows = np.flatnonzero(self._are_seen(times))
+        states, multipliers = history[rows], np.zeros((len(rows), self._data.AEsize()))
+        if run.complete(times[rows], rows - len(history), states, multipliers):
+            for row, own in zip(rows.tolist(), multipliers, strict=True):
+                self._reactions_at(row, reactions)[:] += own
+        history[rows, 2] = states[:, 2]
+
+    def _reactions_at(self, row: int, reactions: list[Array | None]) -> Array:
+        """(m,) those of one state, to be set."""
+        found = reactions[row]
+        if found is None:
+            found = reactions[row] = np.zeros(self._data.AEsize())
+        return found
+
+    def _are_seen(self, times: Array) -> Array:
+        """(k,) whether somebody looks at accelerations and forces in these states; true for the last one."""
+        result = np.full(len(times), self._shows_forces and not self._asks_ahead)
+        if result[0] and self.output_times is not None and not self._is_watched:
+            result = self.output_times.among(times)
+        result[-1] = True
+        return result
 
     def _write_restart(self) -> None:
         """If it is time to: all that has been computed has been handed out."""

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Places
 from ..cable.attached_forces import drag_rate
 from ..cable.axial_energy import middle_tension
 from ..cable.axial_stiffness import STRAIN, frozen, set_step_of_means
@@ -249,11 +249,12 @@ class CableRun(PacedRun):
         forces = self._supported.solve(external, q, v, steps)
         put_reactions(self.scene_cable.reactions, forces, multipliers)
 
-    def complete(self, times: Array, history: Array, multipliers: Array) -> bool:
+    def complete(self, times: Array, rows: Places, history: Array, multipliers: Array) -> bool:
         """Set accelerations, unless they are those of the scheme, and multipliers of recorded states.
 
         Args:
             times: (k,) of the states [s].
+            rows: (k,) which of the last recorded ones they are, rising; -1 is the last one.
             history: (k, 3, n) displacements and velocities, and output: accelerations.
             multipliers: (k, m) output, of Exudyn's algebraic equations.
 
@@ -262,7 +263,7 @@ class CableRun(PacedRun):
         """
         if self.has_reactions:
             external = self.loads.at_times(times.tolist())
-            q, steps = history[:, 0] + self.reference, self.steps_before(len(times))
+            q, steps = history[:, 0] + self.reference, self.steps_before_rows(rows)
             self.put_reactions(external, q, history[:, 1], steps, multipliers)
         return self.has_reactions
 

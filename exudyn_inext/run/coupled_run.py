@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Places
 from ..cable.cable import Cable
 from ..cable.linked_cable import memory_of
 from ..errors import DivergenceError, OffCableError, RedundantConstraintError, SceneError
@@ -373,9 +373,9 @@ class CoupledRun(LimitedRun):
         """(n,) forces that act besides those of the items, and may be changed between steps."""
         return self.mover.given
 
-    def complete(self, times: Array, history: Array, multipliers: Array) -> bool:
+    def complete(self, times: Array, rows: Places, history: Array, multipliers: Array) -> bool:
         """See `CableRun.complete`."""
-        return self.mover.complete(times, self.steps_before(len(times)), history, multipliers)
+        return self.mover.complete(times, rows, self.steps_before_rows(rows), history, multipliers)
 
     def set_accelerations(self, times: Array, history: Array) -> None:
         """See `MovedByKernels.set_accelerations`."""

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Places
 from ..compiled import plain
 from ..integrators.integrator import Integrator, LoadHistory, advance
 from .cable_run import CableRun
@@ -168,6 +168,6 @@ class MovedByExudyn(Mover):
         finally:
             native_items.path, native_items.settles = None, False
 
-    def complete(self, times: Array, steps: Array, history: Array, multipliers: Array) -> bool:
+    def complete(self, times: Array, rows: Places, steps: Array, history: Array, multipliers: Array) -> bool:
         """See `CableRun.complete`."""
         return False

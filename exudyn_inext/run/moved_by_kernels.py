@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Places
 from ..compiled import kernel
 from ..errors import SceneError
 from ..integrators.integrator import Integrator
@@ -227,13 +227,13 @@ class MovedByKernels(Mover):
         """(k, D) data of compiled contacts after the intervals of the last record."""
         return self._form.history[: self._recorded] if self._remembers else None
 
-    def complete(self, times: Array, steps: Array, history: Array, multipliers: Array) -> bool:
+    def complete(self, times: Array, rows: Places, steps: Array, history: Array, multipliers: Array) -> bool:
         """See `CableRun.complete`.   steps: (k,) before the states [s]."""
         of_record = self._of_contacts if self._recorded else None
-        contacts = None if of_record is None else of_record[-len(times) :]
+        contacts = None if of_record is None else of_record[rows]
         history[:, 0] += self._scene.map.reference
-        rows, forces = self._form.evaluate(self.cables, times, steps, history, contacts)
-        states = zip(rows, times.tolist(), history[:, 0], strict=True)
+        of_joints, forces = self._form.evaluate(self.cables, times, steps, history, contacts)
+        states = zip(of_joints, times.tolist(), history[:, 0], strict=True)
         multipliers[:] = [self._scene.native_items.multipliers(*state) for state in states]
         self.put_reactions(times, steps, history[:, 0], history[:, 1], forces, multipliers)
         history[:, 0] -= self._scene.map.reference

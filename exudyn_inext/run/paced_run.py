@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Places
 from ..integrators.integrator import Integrator
 from .kept_state import KeptState
 from .redundancy import pulled_straight
@@ -206,6 +206,11 @@ class PacedRun:
         """(states,) last step before each of the last states of the run [s]."""
         known = self.steps[-states:]
         return known if len(known) == states else np.full(states, self.control.present)
+
+    def steps_before_rows(self, rows: Places) -> Array:
+        """(k,) last step before some of the last states [s].   rows: (k,) rising, -1 is the last one."""
+        result: Array = self.steps_before(-int(rows[0]))[rows]
+        return result
 
     def record(self, grid: TimeGrid, first: int, history: Array) -> int:
         """As `advance`, but displacements from the reference."""

@@ -95,7 +95,7 @@ class SteppedRun:
         """
         run, state = self.run, self.run.state
         present = np.stack([state.q - run.reference, state.v, state.a])[np.newaxis]
-        run.complete(np.array([time]), present, reactions[np.newaxis])
+        run.complete(np.array([time]), np.array([-1]), present, reactions[np.newaxis])
         states[:, run.indices] = present[0]
 
 

@@ -16,6 +16,7 @@ from exudyn.itemInterface import (
     NodeRigidBody2D,
     ObjectRigidBody2D,
     SensorBody,
+    SensorNode,
     SensorObject,
     SphericalJoint,
 )
@@ -24,6 +25,7 @@ from exudyn.utilities import (
     DistanceConstraint,
     GenericJoint,
     InertiaCuboid,
+    LoadSolutionFile,
     ObjectJointRevolute2D,
     RevoluteJointZ,
 )
@@ -311,6 +313,44 @@ def test_rows_after_halved_steps_hold_the_forces_of_their_state(mbs, solve):
     found, expected, report = swing(mbs, solve, 0.2, stepSize=0.2)
     assert report["rejections"] > 0
     np.testing.assert_allclose(found, expected, atol=1e-6 * np.abs(expected).max())
+
+
+def forces_of_support(mbs, add_pendulum):
+    """Of the cable's own pin, and accelerations of its end."""
+    cable = add_pendulum(mbs)
+    constraints = [
+        k for k in range(mbs.systemData.NumberOfObjects()) if "Coordinate" in mbs.GetObject(k)["objectType"]
+    ]
+    end = SensorNode(
+        nodeNumber=cable["nodes"][-1],
+        storeInternal=True,
+        outputVariableType=exudyn.OutputVariableType.Acceleration,
+    )
+    return [add_force(mbs, number, "Force") for number in constraints] + [mbs.AddSensor(end)]
+
+
+@pytest.mark.parametrize("build", [forces_of_support, add_cable_with_body])
+@pytest.mark.parametrize("period", [0.0035, 0.01])
+def test_rows_that_are_written_now_and_then_are_those_of_each_step(
+    new_mbs, add_pendulum, solve, build, period, tmp_path
+):
+    """Sensors and solution file at periods of their own, which are no multiples of the step."""
+    found = []
+    for own in (0.0, period):
+        mbs = new_mbs()
+        sensors = build(mbs, add_pendulum)
+        mbs.Assemble()
+        settings = quiet_settings(0.1, 100, own)
+        settings.solution.file.write = True
+        settings.solution.file.name = str(tmp_path / "solution.txt")
+        settings.solution.file.writePeriod = 1.3 * own
+        solve(mbs, settings=settings, stepSize=1e-3)
+        file = LoadSolutionFile(settings.solution.file.name, verbose=False)["data"]
+        found.append([np.hstack([trajectory(mbs, 0)[:, :1], rows(mbs, sensors)]), file])
+    for all_rows, some_rows in zip(*found, strict=True):
+        steps = np.rint(some_rows[:, 0] / 1e-3).astype(int)
+        assert 5 < len(steps) < 40
+        np.testing.assert_allclose(some_rows, all_rows[steps], rtol=1e-7, atol=1e-8)
 
 
 def test_after_a_run_the_joint_has_the_force_of_its_last_row(mbs, solve):
