@@ -20,7 +20,7 @@ from ..native.velocity_level import Drives, at_position_level
 from ..run.loop_clock import LoopClock
 from ..run.output_files import ResumedOutputs, require_writable_outputs
 from ..run.settings import ExplicitSettings
-from ..run.step_choice import choose_step, warn_of_damping, warn_of_outputs
+from ..run.step_choice import choose_step, warn_of_damping, warn_of_many_steps, warn_of_outputs
 from ..run.time_grid import TimeGrid, time_grid
 from .cable_forces import shared_evaluators
 from .changes.constraints import SteppedReader
@@ -211,6 +211,7 @@ def _solve(
         bounds, explicit = choice.bounds, choice.explicit
         restarts.mass_scaling = explicit.massScaling
         warn_of_damping(choice, duration)
+        warn_of_many_steps(runs, choice, duration, int(settings.timeIntegration.numberOfSteps))
         grid = restarts.grid(given or time_grid(mbs, settings, choice.h))
         warn_of_outputs(choice, duration, grid.loop_steps, settings.timeIntegration.numberOfSteps)
         builder.take_step(explicit, grid.h)

@@ -11,6 +11,7 @@ from ..arrays import Array
 from ..cable.many_cables import Systems, in_few_chains
 from ..called_system import Bound
 from ..errors import SceneError
+from ..items.attach.inert import ANCF_CABLES, is_inert_cable
 from ..items.functions_of_time import is_of_time_alone, step_functions
 from ..items.parameters import Parameter
 from ..run.cable_loads import CableLoads
@@ -311,6 +312,16 @@ class SceneOfExudyn(EvaluatedScene):
         data = self.mbs.systemData
         nodes = [k for k in range(data.NumberOfNodes()) if index in data.GetNodeLTGODE2(k)]
         return f"node {nodes[0]} '{self.mbs.GetNode(nodes[0])['name']}'" if nodes else f"coordinate {index}"
+
+    def native_cable_at(self, index: int) -> str:
+        """The element of a native cable that has a coordinate, by its place in the system vector; or ''."""
+        data = self.mbs.systemData
+        for number in range(data.NumberOfObjects()):
+            item = self.mbs.GetObject(number)
+            is_own = item["objectType"] in ANCF_CABLES and not is_inert_cable(item)
+            if is_own and index in data.GetObjectLTGODE2(number):
+                return f"object {number} '{item['name']}' (Object{item['objectType']})"
+        return ""
 
     def require_finite(self, v: Array) -> None:
         """Raise SceneError, which names the node, unless all velocities v (n,) are finite."""

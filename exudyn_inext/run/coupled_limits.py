@@ -89,6 +89,12 @@ class LimitedRun(PacedRun):
     def _rates(self) -> FastestRates:
         return self._rates_at(self._time)
 
+    @property
+    def fastest(self) -> tuple[str, str]:
+        """Which node vibrates fastest at the start, and the element of a native cable that it has, if any."""
+        place = self.indices[int(np.argmax(np.abs(self._fastest[0, 0, : len(self.indices)])))]
+        return self._scene.coordinate_name(place), self._scene.native_cable_at(place)
+
     def _rates_at(self, time: float, in_motion: bool = False) -> FastestRates:
         """Of the present state."""
         with self._without_implicit_forces(time):

@@ -26,7 +26,8 @@ OF_STATES = 0.2  # step times the frequency of first order states, as of oil und
 PHASE = 0.003  # error of the motion at the end of a run [rad]
 MOST_DURATION = 100.0  # of a run, for that [s]
 MUCH = 10.0  # times that damping may shorten the step without a word
-MANY = 100.0  # times as many outputs as steps, without a word
+MANY = 100.0  # times as many outputs as steps, or steps as the user asked for, without a word
+LONG, LONG_COMPILED = 1e5, 5e6  # steps of a run, of which Exudyn evaluates each one, without a word
 UNFORESEEN = 4.0  # times the step that resolves axial vibrations, where nobody knows what excites them
 MOST_TRIALS, NEARLY = 6, 0.98  # of a step that the bounds for its own scaled mass allow
 
@@ -345,6 +346,31 @@ def warn_of_outputs(choice: StepChoice, duration: float, outputs: int, asked: in
             "do: lengthen solution.sensors.writePeriod and solution.file.writePeriod; 0 writes each step.",
             stacklevel=3,
         )
+
+
+def warn_of_many_steps(runs: Sequence[Run], choice: StepChoice, duration: float, asked: int) -> None:
+    """Before a run of that duration [s]: if something among bodies vibrates so fast that it takes very long.
+
+    asked: numberOfSteps.
+    """
+    steps = duration / choice.h
+    is_own_choice = choice.explicit.stepSize is None and choice.decided_by == "bending"
+    if not is_own_choice or steps < max(MANY * asked, LONG):
+        return
+    for run in runs:
+        if isinstance(run, CoupledRun) and steps > (LONG_COMPILED if run.looks_ahead else LONG):
+            node, native = run.fastest
+            remedy = (
+                f"create {native} by CreateInextensibleCable, with the same beamTemplate: its axial "
+                "stiffness bounds no step there"
+                if native
+                else "let what is so stiff there be softer, or a joint, or what is so light be heavier"
+            )
+            warnings.warn(
+                f"{node} vibrates at {choice.bounds.largest_frequency:.3g} rad/s, so that the run takes "
+                f"{steps:.2g} steps of {choice.h:.3g} s: {remedy}; or move the scene by mbs.SolveDynamic.",
+                stacklevel=3,
+            )
 
 
 def rule_step(element_length: float, density: float, stiffness: float, constant: float) -> float:

@@ -519,3 +519,43 @@ def test_errors_of_step_and_mesh_are_those_of_a_discretised_wave(theta):
     of_step = (2.0 * np.arcsin(0.5 * np.sqrt(scaled)) / h) ** 2 / exact - 1.0
     found = _errors_of_waves(np.array([0.0, stiffness, length, theta]), exact, h**2)
     assert found == pytest.approx((abs(of_step), of_mesh), rel=0.02)
+
+
+LONG_RUN = r"node \d+ 'node\d+' vibrates at .* rad/s, so that the run takes .*e\+\d+ steps of .* s: "
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_run_that_axial_waves_of_native_cables_make_very_long_is_told_of_before(mbs, solve, dimension):
+    """And the remedy helps."""
+    arguments = {
+        "positionStart": [0, 0, 0],
+        "positionEnd": [1.8, 0, 0],
+        "numberOfElements": 4,
+        "beamTemplate": [ObjectANCFCable2D, ObjectANCFCable][dimension - 2](
+            massPerLength=0.05, bendingStiffness=0.1, axialStiffness=2e8
+        ),
+        "gravity": [0, -9.81, 0],
+    }
+    with silence():
+        GenerateBeamElementsAlongLine(mbs, **arguments)
+    mbs.Assemble()
+    said = LONG_RUN + r"create object \d+ 'object\d+' \(ObjectANCFCable.*by CreateInextensibleCable"
+    with pytest.raises(UserWarning, match=said):
+        solve(mbs, settings=quiet_settings(2.0, 100, 0.1))
+    mbs.Reset()
+    CreateInextensibleCable(mbs, **arguments, extensible=True)
+    mbs.Assemble()
+    assert solve(mbs, settings=quiet_settings(2.0, 100, 0.1))["steps"] < 5000
+
+
+def test_a_run_that_a_stiff_spring_makes_very_long_is_told_of_before(mbs, add_pendulum, solve):
+    cable = add_pendulum(mbs)
+    ground = mbs.CreateGround(referencePosition=[1.8, 1, 0])
+    markers = [
+        mbs.AddMarker(MarkerBodyPosition(bodyNumber=ground)),
+        mbs.AddMarker(MarkerNodePosition(nodeNumber=cable["nodes"][-1])),
+    ]
+    mbs.AddObject(SpringDamper(markerNumbers=markers, referenceLength=1.0, stiffness=1e12))
+    mbs.Assemble()
+    with pytest.raises(UserWarning, match=LONG_RUN + "let what is so stiff there be softer"):
+        solve(mbs, settings=quiet_settings(10.0, 100, 0.1))

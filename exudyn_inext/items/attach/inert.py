@@ -2,13 +2,13 @@
 
 from typing import Any
 
-_TYPES = {"ANCFCable", "ANCFCable2D"}
+ANCF_CABLES = {"ANCFCable", "ANCFCable2D"}
 INERT = ("massPerLength", "bendingStiffness", "axialStiffness", "bendingDamping", "axialDamping")
 
 
 def is_inert_cable(data: dict[str, Any]) -> bool:
     """Whether an object is a native ANCF cable that neither weighs nor resists: it changes no motion."""
-    if data["objectType"] not in _TYPES or any(data[name] for name in INERT):
+    if data["objectType"] not in ANCF_CABLES or any(data[name] for name in INERT):
         return False
     return not any("UserFunction" in key and bool(value) for key, value in data.items())
 
