@@ -59,6 +59,7 @@ class SceneEvaluator:
         self._joined_forces = joined_forces
         self._stretches = any(cable.cable.stretches for cable in self.scene.cables)
         self._loads: dict[tuple[int, bool], CableLoads] = {}
+        self._values: dict[int, Array] = {}  # of loads that have been set since
         self._systems: dict[int, tuple[Any, Bound]] = {}
         self._coupled: CoupledScene | None = None
         self._solved: bytes | None = None  # the state of all parts that has been evaluated last
@@ -68,10 +69,17 @@ class SceneEvaluator:
         key, cable = (place, among_others), self.scene.cables[place]
         if key not in self._loads:
             self._loads[key] = CableLoads(cable.among_others if among_others else cable)
+            self._loads[key].change(self._values)
         return self._loads[key]
 
-    def forget_state(self) -> None:
-        """That has been evaluated last."""
+    def take_forces(self, values: Mapping[int, Array]) -> None:
+        """Loads on cables among nothing else have other values, or what is no cable has other forces.
+
+        values: see `CableLoads.change`.
+        """
+        self._values |= values
+        for loads in self._loads.values():
+            loads.change(values)
         self._solved = None
 
     def solve(self, mbs: Any, place: int) -> tuple[Any, Array, Array, Array]:
@@ -191,10 +199,10 @@ class _Keeper:
         self._cables: dict[int, CableEvaluator] = {}
         self._asked: set[Any] = set()
 
-    def forget_state(self) -> None:
-        """That has been evaluated last: other forces act in it."""
+    def take_forces(self, values: Mapping[int, Array]) -> None:
+        """Arguments: see `SceneEvaluator.take_forces`."""
         if self._scene:
-            self._scene.forget_state()
+            self._scene.take_forces(values)
 
     def evaluator(self, mbs: Any, number: int, time: float, who: Any) -> CableEvaluator:
         """Of a cable; read again if the same sensor asks again: then loads may have changed, out of a run."""
@@ -331,16 +339,19 @@ def shared_evaluators(sensors: Sequence[Any], joined_forces: JoinedForces) -> It
             function.keeper = _Keeper()
 
 
-def forget_evaluators(sensors: Sequence[Any], are_forces: bool = False) -> None:
-    """Sensors of section forces let go of what they keep.
+def forget_evaluators(sensors: Sequence[Any]) -> None:
+    """Sensors of section forces let go of what they keep.   sensors: data of all."""
+    for function in _with_keepers(sensors):
+        function.keeper.forget()
 
-    sensors: data of all.   are_forces: whether no more has been changed than forces on what is no cable.
+
+def take_forces(sensors: Sequence[Any], values: Mapping[int, Array]) -> None:
+    """No more has been changed than forces: sensors of section forces keep what does not depend on them.
+
+    sensors: data of all.   values: see `SceneEvaluator.take_forces`.
     """
     for function in _with_keepers(sensors):
-        if are_forces:
-            function.keeper.forget_state()
-        else:
-            function.keeper.forget()
+        function.keeper.take_forces(values)
 
 
 def _with_keepers(sensors: Sequence[Any]) -> list[Any]:
