@@ -15,6 +15,7 @@ from .errors import (
     StepSizeError,
 )
 from .exudyn_binding.advising.advise import AdviceSettings, Advise
+from .exudyn_binding.cable_energy import CreateCableEnergySensor
 from .exudyn_binding.cable_forces import CableForces, CreateCableForceSensor
 from .exudyn_binding.ensemble import SolveEnsemble
 from .exudyn_binding.explicit_solver import ExplicitSolver
@@ -50,6 +51,7 @@ __all__ = [
     "CableDrag",
     "CableForces",
     "CableShape",
+    "CreateCableEnergySensor",
     "CreateCableForceSensor",
     "CreateCompanionCables",
     "CreateInextensibleCable",

@@ -9,6 +9,7 @@ from ..arrays import Array
 from ..element.forms import forms_of_mesh
 from ..element.inextensibility import slope_gram_matrix
 from ..element.natural_curvature import curvature
+from ..element.shape_functions import quadrature
 from .attached import Drag, PointMass
 from .link import Link
 
@@ -103,6 +104,12 @@ class Cable:
             nodal = np.concatenate([self.reference[k], self.reference[k + 1]])
             natural += self.section.strain_is_relative * curvature(nodal, xi, float(self.element_lengths[k]))
         return natural
+
+    def natural_energy(self) -> float:
+        """What a straight cable has from its natural curvature: int EI kappa_0^2 / 2 dx [J]."""
+        xi, weight = quadrature(1.0)
+        squares = [weight @ self.natural_curvature(k, xi) ** 2 for k in range(self.number_of_elements)]
+        return float(0.5 * self.section.bending_stiffness * self.element_lengths @ squares)
 
     def constrained_lengths(self) -> Array:
         """(N,) value of int |r_x|^2 dx that each element shall keep, Eq. (19) [m]."""

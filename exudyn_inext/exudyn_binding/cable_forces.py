@@ -33,7 +33,7 @@ from ..native.native_items import state_kept, switched_off
 from ..native.velocity_level import at_position_level
 from ..run.cable_loads import CableLoads
 from ..scene.model import CableInScene, Scene
-from ..system import index_reduced_rates
+from ..system import ELASTIC, KINETIC, REPORTED, index_reduced_rates, report_energy
 from .mbs_state import last_step
 from .scene import read_scene, require_assembled
 
@@ -59,6 +59,7 @@ class SceneEvaluator:
         self._joined_forces = joined_forces
         self._stretches = any(cable.cable.stretches for cable in self.scene.cables)
         self._loads: dict[tuple[int, bool], CableLoads] = {}
+        self._values: dict[int, Array] = {}  # of loads that have been set since
         self._systems: dict[int, tuple[Any, Bound]] = {}
         self._coupled: CoupledScene | None = None
         self._solved: bytes | None = None  # the state of all parts that has been evaluated last
@@ -68,10 +69,17 @@ class SceneEvaluator:
         key, cable = (place, among_others), self.scene.cables[place]
         if key not in self._loads:
             self._loads[key] = CableLoads(cable.among_others if among_others else cable)
+            self._loads[key].change(self._values)
         return self._loads[key]
 
-    def forget_state(self) -> None:
-        """That has been evaluated last."""
+    def take_forces(self, values: Mapping[int, Array]) -> None:
+        """Loads on cables among nothing else have other values, or what is no cable has other forces.
+
+        values: see `CableLoads.change`.
+        """
+        self._values |= values
+        for loads in self._loads.values():
+            loads.change(values)
         self._solved = None
 
     def solve(self, mbs: Any, place: int) -> tuple[Any, Array, Array, Array]:
@@ -161,6 +169,14 @@ class CableEvaluator:
         nodal = nodal_multipliers_of(self._system, state.a)
         return multiplier_tension(self._cable.cable, state.q, state.v, nodal, state.multiplier)
 
+    def energies(self, mbs: Any) -> tuple[float, float]:
+        """Kinetic and elastic energy [J] of the present state; zero where nothing is strained."""
+        system, q, v, a = self._scene.solve(mbs, self._place)
+        external = self._scene.loads(self._place).at(mbs.systemData.GetTime())
+        energies = np.zeros(REPORTED)
+        Bound(report_energy, system)(external, q, v, a, np.zeros(q.size), energies)
+        return float(energies[KINETIC]), float(energies[ELASTIC]) + self._cable.cable.natural_energy()
+
     def solve(self, mbs: Any) -> SolvedState:
         """The present state of the mbs, with its accelerations and multipliers."""
         self._gravity = self._scene.loads(self._place).gravity_at(mbs.systemData.GetTime())
@@ -183,10 +199,10 @@ class _Keeper:
         self._cables: dict[int, CableEvaluator] = {}
         self._asked: set[Any] = set()
 
-    def forget_state(self) -> None:
-        """That has been evaluated last: other forces act in it."""
+    def take_forces(self, values: Mapping[int, Array]) -> None:
+        """Arguments: see `SceneEvaluator.take_forces`."""
         if self._scene:
-            self._scene.forget_state()
+            self._scene.take_forces(values)
 
     def evaluator(self, mbs: Any, number: int, time: float, who: Any) -> CableEvaluator:
         """Of a cable; read again if the same sensor asks again: then loads may have changed, out of a run."""
@@ -263,22 +279,42 @@ def CreateCableForceSensor(
     """
     number, item = require_cable(mbs, cable)
     point = np.array([point_on_cable(arcLength, item.cable.length)])
+
+    def tension_and_moment(evaluator, mbs):
+        forces = evaluator.forces(evaluator.solve(mbs), point)
+        return [float(forces.tension[0]), float(forces.bending_moment[0])]
+
+    return add_sensor_of_cable(mbs, number, tension_and_moment, storeInternal, fileName)
+
+
+def add_sensor_of_cable(
+    mbs: Any,
+    number: int,
+    values: Callable[[CableEvaluator, Any], list[float]],
+    storeInternal: Any,
+    fileName: Any,
+) -> int:
+    """A sensor of what `values(evaluator, mbs)` gives of a cable; returns its number.
+
+    number: of the cable's object.   storeInternal, fileName: as in native sensors.
+
+    Raises:
+        InputError: storeInternal is no flag, or fileName no string; mbs is unchanged then.
+    """
     is_stored = require_flag("storeInternal", storeInternal)
     if not isinstance(fileName, str):
         raise InputError(f"fileName = {fileName!r}: must be a string; an empty one writes no file.")
 
-    def cable_force_user_function(mbs, t, sensorNumbers, factors, configuration):
-        this = cable_force_user_function
-        evaluator = this.keeper.evaluator(mbs, number, t, this)
-        forces = evaluator.forces(evaluator.solve(mbs), point)
-        return [float(forces.tension[0]), float(forces.bending_moment[0])]
+    def cable_user_function(mbs, t, sensorNumbers, factors, configuration):
+        this = cable_user_function
+        return values(this.keeper.evaluator(mbs, number, t, this), mbs)
 
-    cable_force_user_function.onlyLooks = True  # type: ignore[attr-defined]
-    cable_force_user_function.keeper = _Keeper()  # type: ignore[attr-defined]
+    cable_user_function.onlyLooks = True  # type: ignore[attr-defined]
+    cable_user_function.keeper = _Keeper()  # type: ignore[attr-defined]
     return int(
         mbs.AddSensor(
             SensorUserFunction(
-                sensorUserFunction=cable_force_user_function,
+                sensorUserFunction=cable_user_function,
                 storeInternal=is_stored,
                 fileName=fileName,
                 writeToFile=bool(fileName),
@@ -303,16 +339,19 @@ def shared_evaluators(sensors: Sequence[Any], joined_forces: JoinedForces) -> It
             function.keeper = _Keeper()
 
 
-def forget_evaluators(sensors: Sequence[Any], are_forces: bool = False) -> None:
-    """Sensors of section forces let go of what they keep.
+def forget_evaluators(sensors: Sequence[Any]) -> None:
+    """Sensors of section forces let go of what they keep.   sensors: data of all."""
+    for function in _with_keepers(sensors):
+        function.keeper.forget()
 
-    sensors: data of all.   are_forces: whether no more has been changed than forces on what is no cable.
+
+def take_forces(sensors: Sequence[Any], values: Mapping[int, Array]) -> None:
+    """No more has been changed than forces: sensors of section forces keep what does not depend on them.
+
+    sensors: data of all.   values: see `SceneEvaluator.take_forces`.
     """
     for function in _with_keepers(sensors):
-        if are_forces:
-            function.keeper.forget_state()
-        else:
-            function.keeper.forget()
+        function.keeper.take_forces(values)
 
 
 def _with_keepers(sensors: Sequence[Any]) -> list[Any]:
@@ -341,8 +380,8 @@ def _require_linear_laws(mbs: Any, cable: CableInScene) -> None:
         if data["bendingMomentUserFunction"] or data["axialForceUserFunction"]:
             raise SceneError(
                 f"{described(data, number)} bends or pulls cable '{cable.name}' by user functions, of which "
-                "its section forces know nothing: ask for CurvatureLocal or StrainLocal of that element by "
-                "SensorBody, and call the functions with these."
+                "its section forces and energies know nothing: ask for CurvatureLocal or StrainLocal of that "
+                "element by SensorBody, and call the functions with these."
             )
 
 

@@ -27,7 +27,14 @@ _OF_POSITIONS = {
 }
 _OF_POINTS = {"Node", "Body", "Marker", "SuperElement"}
 _OF_VELOCITIES = {_Type.Velocity, _Type.Coordinates_t, _Type.AngularVelocity}
-_SECTION_FORCES = {_Type.ForceLocal, _Type.TorqueLocal}
+_FORCE_SENSOR = "CreateCableForceSensor for tension and bending moment"
+_ENERGY_SENSOR = "CreateCableEnergySensor for both energies of the cable"
+_WITHOUT_COMPANIONS = {  # outputs that are zero there, and what measures them
+    _Type.ForceLocal: _FORCE_SENSOR,
+    _Type.TorqueLocal: _FORCE_SENSOR,
+    _Type.KineticEnergy: _ENERGY_SENSOR,
+    _Type.PotentialEnergy: _ENERGY_SENSOR,
+}
 _LAST_WRITTEN = "lastSolutionWritten", "lastSensorsWritten"  # Exudyn keeps the next times there
 _CONSTRAINT_FORCES = {_Type.Force, _Type.ForceLocal}
 _ROUND_OFF = 1e-10  # by which Exudyn writes too early [s]
@@ -117,7 +124,7 @@ def _derivatives_of(sensor: dict[str, Any]) -> int:
 
 
 def warn_of_empty_sensors(mbs: Any, sensors: Sequence[Any], enforcing: Collection[int]) -> None:
-    """Warn of sensors of section forces of companions, and of what keeps the length under native solvers.
+    """Warn of sensors of forces and energies that companions, and what keeps lengths natively, lack.
 
     Args:
         mbs: the system.   sensors: data of all of its sensors.
@@ -128,15 +135,19 @@ def warn_of_empty_sensors(mbs: Any, sensors: Sequence[Any], enforcing: Collectio
         if why:
             warnings.warn(
                 f"sensor {number} '{sensor['name']}' measures {sensor['outputVariableType']} of {why}: it is "
-                "zero. Use CreateCableForceSensor for tension and bending moment.",
+                f"zero. Use {_WITHOUT_COMPANIONS.get(sensor['outputVariableType'], _FORCE_SENSOR)}.",
                 stacklevel=3,
             )
 
 
 def _emptiness(mbs: Any, sensor: dict[str, Any], enforcing: Collection[int]) -> str:
     kind, output = sensor["sensorType"], sensor.get("outputVariableType")
-    if kind == "Body" and output in _SECTION_FORCES and is_inert_cable(mbs.GetObject(sensor["bodyNumber"])):
-        return f"object {int(sensor['bodyNumber'])}, a companion without stiffness (CurvatureLocal works)"
+    if (
+        kind == "Body"
+        and output in _WITHOUT_COMPANIONS
+        and is_inert_cable(mbs.GetObject(sensor["bodyNumber"]))
+    ):
+        return f"object {int(sensor['bodyNumber'])}, a companion without mass and stiffness"
     if kind == "Object" and output in _CONSTRAINT_FORCES and int(sensor["objectNumber"]) in enforcing:
         return (
             f"object {int(sensor['objectNumber'])}, which keeps the length of its cable under native solvers "

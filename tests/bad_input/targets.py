@@ -23,6 +23,7 @@ from exudyn_inext import (
     CableDrag,
     CableForces,
     CableShape,
+    CreateCableEnergySensor,
     CreateCableForceSensor,
     CreateCompanionCables,
     CreateInextensibleCable,
@@ -197,6 +198,11 @@ def step(scene: Any, arguments: dict[str, Any]) -> None:
     stepper.Step(calls["n"])
     stepper.State(calls["which"])
     stepper.WriteToSystem()
+
+
+def measure_energy(scene: Any, arguments: dict[str, Any]) -> None:
+    CreateCableEnergySensor(**arguments)
+    assembled_run(scene)
 
 
 def measure_force(scene: Any, arguments: dict[str, Any]) -> None:
@@ -499,6 +505,9 @@ TARGETS = {
         pendulum,
         lambda scene, arguments: CableForces(**arguments),
         ON_CABLE | {"arcLengths": [None, 5, [0.0, 0.3], np.array([0.2])]},
+    ),
+    "CreateCableEnergySensor": Target(
+        loose_pendulum, measure_energy, ON_CABLE | {"storeInternal": [True, False], "fileName": [""]}
     ),
     "CreateCableForceSensor": Target(
         loose_pendulum,

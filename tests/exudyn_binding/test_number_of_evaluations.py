@@ -2,8 +2,11 @@
 
 import exudyn
 import numpy as np
+import pytest
 from exudyn.itemInterface import (
     LoadForceVector,
+    LoadMassProportional,
+    MarkerBodyMass,
     MarkerBodyPosition,
     NodeGenericODE2,
     ObjectKinematicTree,
@@ -11,8 +14,18 @@ from exudyn.itemInterface import (
 )
 from exudyn.utilities import InertiaCuboid
 
-from exudyn_inext import AddMarkerOnCable, AttachToBody, CableForces, CreateCableForceSensor
+from exudyn_inext import (
+    AddMarkerOnCable,
+    AttachToBody,
+    CableForces,
+    CreateCableForceSensor,
+    CreateCompanionCables,
+    InextensibleCable,
+)
+from exudyn_inext.exudyn_binding import cable_forces
+from exudyn_inext.exudyn_binding.scene import read_scene
 from reference_models.model import quiet_settings, silence
+from tests.exudyn_binding.items import SECTION, load_node
 
 STEPS = 50  # of Exudyn's loop
 
@@ -165,3 +178,45 @@ def evaluated(mbs, sensor):
     """The tension that it shows of the present state."""
     function = mbs.GetSensor(sensor)["sensorUserFunction"]["function"]
     return function(mbs, mbs.systemData.GetTime(), [], [], exudyn.ConfigurationType.Current)[0]
+
+
+def loaded(mbs, cable):
+    """What sets a force on a node in each step."""
+    load = load_node(mbs, cable["nodes"][-1], [0.0, 0.0, 0.0])
+    return lambda t: mbs.SetLoadParameter(load, "loadVector", [0.0, 2 * np.sin(9 * t), 0.0])
+
+
+def weighed(mbs, cable):
+    """What sets the weight of the elements."""
+    masses = [MarkerBodyMass(bodyNumber=element) for element in CreateCompanionCables(mbs, cable)]
+    loads = [mbs.AddLoad(LoadMassProportional(markerNumber=mbs.AddMarker(one))) for one in masses]
+    return lambda t: [mbs.SetLoadParameter(one, "loadVector", [0.0, 50 * t, 0.0]) for one in loads]
+
+
+def sprung(mbs, cable):
+    """What sets the stiffness of a spring at a body at the end of the cable."""
+    ground = mbs.CreateGround(referencePosition=[1.8, 0.5, 0])
+    mass = mbs.CreateMassPoint(referencePosition=[1.8, 0, 0], mass=0.1, create2D=True)
+    AttachToBody(mbs, cable, "end", mass)
+    spring = mbs.CreateSpringDamper(itemNumbers=[ground, mass], referenceLength=0.3)
+    return lambda t: mbs.SetObjectParameter(spring, "stiffness", 5 + 40 * t)
+
+
+@pytest.mark.parametrize("stretch", [{}, {"axialStiffness": 1e4}])
+@pytest.mark.parametrize("add", [loaded, weighed, sprung])
+def test_a_sensor_of_section_forces_does_not_read_the_scene_again_where_forces_are_set(
+    mbs, add_pendulum, solve, monkeypatch, add, stretch
+):
+    template = InextensibleCable(**SECTION, **stretch)
+    cable = add_pendulum(mbs, numberOfElements=4, beamTemplate=template)
+    change, read = add(mbs, cable), []
+    sensor = CreateCableForceSensor(mbs, cable, 0.7)
+    mbs.SetPreStepUserFunction(lambda mbs, t: change(t) is None or True)
+    mbs.Assemble()
+    monkeypatch.setattr(cable_forces, "read_scene", lambda mbs: read.append(mbs) or read_scene(mbs))
+    solve(mbs, settings=quiet_settings(0.1, STEPS, 0.1 / STEPS))
+    assert len(read) < STEPS // 5
+    tension = CableForces(mbs, cable, [0.7])["tension"]
+    assert mbs.GetSensorStoredData(sensor)[-1, 1] == pytest.approx(tension[0], rel=1e-6)
+    change(0.0)
+    assert abs(CableForces(mbs, cable, [0.7])["tension"] - tension) > 1e-3 * abs(tension)

@@ -88,7 +88,9 @@ def test_a_template_with_functions_moves_as_a_native_cable(new_mbs, solve):
         for mbs, numbers in ((ours, nodes), (native, others))
     ]
     np.testing.assert_allclose(*tips, atol=2e-4 * LENGTH)
-    with pytest.raises(SceneError, match="by user functions, of which its section forces know nothing"):
+    with pytest.raises(
+        SceneError, match="by user functions, of which its section forces and energies know nothing"
+    ):
         CableForces(ours, 0)
 
 

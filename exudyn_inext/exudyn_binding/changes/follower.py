@@ -16,7 +16,7 @@ from ...run.consistent_start import agree
 from ...run.coupled_run import CoupledRun, Run
 from ...run.settings import ExplicitSettings
 from ...scene.model import Scene
-from ..cable_forces import forget_evaluators
+from ..cable_forces import forget_evaluators, take_forces
 from ..mbs_state import state_of
 from ..scene import read_scene
 from ..scene_runs import RunBuilder
@@ -137,7 +137,10 @@ class ChangeFollower:
         items = [key for key, it in asked.items() if it and key not in weights]
         if not _have_begun(runs) or any(asked[key] > Demand.BEGIN for key in items):
             return False
-        forget_evaluators(self.sensors, are_forces=not weights and all(map(_is_force, items)))
+        if weights or Demand.BEGIN in asked.values():
+            forget_evaluators(self.sensors)
+        else:
+            take_forces(self.sensors, {})
         coupled = [run for run in runs if isinstance(run, CoupledRun)]
         if not (_weigh(coupled, weights) and all(run.mover.take_values(items) for run in coupled)):
             return False
@@ -153,7 +156,7 @@ class ChangeFollower:
         loaded = _loaded(runs, changed)
         if loaded is None:
             return False
-        forget_evaluators(self.sensors)
+        take_forces(self.sensors, _components(changed))
         for run in loaded:
             start_after_jump(run, run.start_scheme, time)
             run.watch.keep(run.state)

@@ -32,7 +32,8 @@ def CreateCompanionCables(mbs: Any, cable: Any, show: bool = False) -> list[int]
     space MarkerBodyBeamShape, SensorBody, and through them loads, springs, joints and contact. Companions
     that nothing acts on change neither motion nor cost of a run. A cable has one set of them: a second call
     returns the first set. Sensors and contour plots show motion, StrainLocal and CurvatureLocal; section
-    forces, which companions lack, come from `CreateCableForceSensor`.
+    forces and energies, which companions lack, come from `CreateCableForceSensor` and
+    `CreateCableEnergySensor`.
 
     Contact works in the plane: ObjectContactCircleCable2D and ObjectContactFrictionCircleCable2D, whose
     stiffness and damping bound the steps of SolveExplicit before they close, and

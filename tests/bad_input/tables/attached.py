@@ -15,6 +15,7 @@ from exudyn_inext import (
     CableDrag,
     CableForces,
     CableShape,
+    CreateCableEnergySensor,
     CreateCableForceSensor,
     CreateCompanionCables,
     CreateInextensibleCable,
@@ -34,6 +35,7 @@ DRAG = CableDrag(1.2, 0.01, diameter=0.02, fluidDensity=1.2)
 RING, RING_SLOPES = ring_points()
 TAKES_A_CABLE = (
     (CableForces, {}),
+    (CreateCableEnergySensor, {}),
     (CreateCableForceSensor, {"arcLength": 0.9}),
     (AddMarkerOnCable, {"arcLength": 0.9}),
     (CreateCompanionCables, {}),

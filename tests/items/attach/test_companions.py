@@ -95,13 +95,21 @@ def test_curvature_is_that_of_the_curve(mbs, add_cable, coordinates, dim):
     assert found == pytest.approx(2.0, rel=0.05)
 
 
-@pytest.mark.parametrize("kind", ["ForceLocal", "TorqueLocal"])
-def test_sensor_of_section_forces_of_a_companion_is_warned_of(mbs, add_pendulum, solve, kind):
+@pytest.mark.parametrize(
+    ("kind", "what"),
+    [
+        ("ForceLocal", "Force"),
+        ("TorqueLocal", "Force"),
+        ("KineticEnergy", "Energy"),
+        ("PotentialEnergy", "Energy"),
+    ],
+)
+def test_sensor_of_what_a_companion_lacks_is_warned_of(mbs, add_pendulum, solve, kind, what):
     sensor = SensorBody(bodyNumber=CreateCompanionCables(mbs, add_pendulum(mbs))[2], storeInternal=True)
     sensor.outputVariableType = getattr(exudyn.OutputVariableType, kind)
     mbs.AddSensor(sensor)
     mbs.Assemble()
-    with pytest.warns(UserWarning, match=rf"sensor 0 .*{kind} of object 5, .* Use CreateCableForceSensor"):
+    with pytest.warns(UserWarning, match=rf"sensor 0 .*{kind} of object 5, .* Use CreateCable{what}Sensor"):
         solve(mbs, 0.01)
 
 
