@@ -6,7 +6,6 @@ from functools import cached_property
 from typing import Any
 
 import exudyn
-import numpy as np
 
 from ..items.attach.inert import is_inert_cable
 from ..items.functions_that_look import Look
@@ -78,9 +77,10 @@ class OutputTimes:
 
         asks_items: whether functions of items are called in steps, which may look, too.
         """
-        to_be_written = [getattr(solver.output, name) for name in self._written]
-        are_all = self._look in self._at_all or (asks_items and self.items_look_at_forces)
-        return are_all or time > min(to_be_written, default=np.inf) - 0.5 * step
+        if self._look in self._at_all or (asks_items and self.items_look_at_forces):
+            return True
+        output = solver.output
+        return any(time > getattr(output, name) - 0.5 * step for name in self._written)
 
 
 def _derivatives_of(sensor: dict[str, Any]) -> int:
