@@ -96,9 +96,10 @@ class OutputTimes:
 
         asks_items: whether functions of items are called in steps, which may look, too.
         """
-        to_be_written = [getattr(self._solver.output, name) for name in self._written]
-        are_all = self._look in self._at_all or (asks_items and self.items_look_at_forces)
-        return are_all or time > min(to_be_written, default=np.inf) - 0.5 * step
+        if self._look in self._at_all or (asks_items and self.items_look_at_forces):
+            return True
+        output = self._solver.output
+        return any(time > getattr(output, name) - 0.5 * step for name in self._written)
 
     def among(self, times: Array) -> Array:
         """(k,) whether files are written, or may be, after the next steps, which end at these times [s].

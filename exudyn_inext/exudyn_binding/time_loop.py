@@ -8,7 +8,6 @@ from itertools import chain
 from operator import length_hint
 from typing import Any
 
-import exudyn
 import numpy as np
 
 from ..arrays import Array, as_slice
@@ -365,17 +364,20 @@ class ExplicitTimeLoop:
         takes_last_step = self._computed + intervals == self.grid.loop_steps
         states = np.zeros((intervals, 3, len(self._written[0])))
         reactions: list[Array | None] = [None] * intervals
-        good = intervals
+        good, is_seen = intervals, self._shows_forces or takes_last_step
         begins = not self._is_watched and self.restarts.may_begin(self.grid, self._computed)
         for run, places, kept in zip(self.runs, self._places, self.kept_states, strict=True):
-            history, run.may_begin_again = np.empty((intervals, 3, len(run.indices))), begins
+            is_all = len(run.indices) == states.shape[2] and isinstance(places, slice)
+            history = states if is_all else np.empty((intervals, 3, len(run.indices)))
+            run.may_begin_again = begins
             good = min(good, run.record(self.grid, self._computed, history))
             kept.keep(self.grid, self._computed, history[:good])
-            if good and not run.completes and (self._shows_forces or takes_last_step):
+            if good and is_seen and not run.completes:
                 self._complete_last(run, history[:good], reactions)
-            elif good and (self._shows_forces or takes_last_step or not self._is_watched):
+            elif good and (is_seen or not self._is_watched):
                 self._complete(run, history[:good], reactions)
-            states[:, :, places] = history
+            if not is_all:
+                states[:, :, places] = history
             if run.remembered is not None:
                 self._remembered.extend(run.remembered.tolist())
         self._last_reactions = reactions[good - 1] if good else None
@@ -435,10 +437,10 @@ class ExplicitTimeLoop:
         coordinates = sum(len(run.indices) for run in self.runs)
         return max(1, min(remaining, LOOK_AHEAD_LIMIT // (coordinates * self.grid.substeps)))
 
-    def _present(self, configuration: Any = exudyn.ConfigurationType.Current) -> list[Array]:
+    def _present(self, *configuration: Any) -> list[Array]:
         data = self._data
-        getters = (data.GetODE2Coordinates, data.GetODE2Coordinates_t, data.GetODE1Coordinates)
-        return [np.asarray(get(configuration)) for get in getters]
+        getters = data.GetODE2Coordinates, data.GetODE2Coordinates_t, data.GetODE1Coordinates
+        return [get(*configuration) for get in getters]
 
     @property
     def time(self) -> float:
@@ -479,7 +481,7 @@ class ExplicitTimeLoop:
 
     def _is_as_handed_out(self, present: Sequence[Array]) -> bool:
         """Whether the state of mbs is still that which it was given last."""
-        return all(now.tobytes() == then.tobytes() for now, then in zip(present, self._written, strict=True))
+        return [now.tobytes() for now in present] == [then.tobytes() for then in self._written]
 
     def _take_over_changes(self) -> None:
         """A user function may have set coordinates since the last step: restart from them."""

@@ -52,6 +52,7 @@ from .moved_offsets import MovedOffsets
 from .step_control import Piece
 
 FEW = 50  # states
+_NOTHING = np.zeros(0)
 
 ChangedItem = tuple[str, int, str]  # kind, number, name of the parameter
 
@@ -189,7 +190,7 @@ class CompiledScene:
         self._names = names
         self.numbers, self._moved = numbers, numbers.moved
         rotations = system.items.bodies["rotations"]
-        self._has_angles = bool((rotations == 3).any())
+        self._has_angles, self._has_spins = bool((rotations == 3).any()), bool((rotations > 1).any())
         self._unscaled: SceneSystem | None = None
         self._stretching: list[Chain] = []  # cables of that one
         self._take_steps = Prepared(take_steps)
@@ -212,6 +213,12 @@ class CompiledScene:
         """Compile what an integrator calls, see `Integrator`."""
         self._calls = calls
         provide_cables(self.system.cables, self._chains, *calls)
+
+    @property
+    def called(self) -> Any:
+        """The system, for kernels that call it by address as an integrator does, see `provide`."""
+        self._called = self._called or called(self.system, *self._calls, finish_step)
+        return self._called
 
     @property
     def contacts(self) -> Any:
@@ -287,10 +294,9 @@ class CompiledScene:
         moved.rest()
         self.violation(time, q)
         values = self.system.items.joints.value
-        left = values[moved.rows]
-        moved.aim(np.where(np.abs(left) > tolerance, left, 0.0), time, end)
-        others = values[self._not_moved]
-        return not len(others) or not max(others.max(), -others.min()) > tolerance
+        are_violated = np.abs(values) > tolerance
+        moved.aim(np.where(are_violated, values, 0.0)[moved.rows], time, end)
+        return not are_violated[self._not_moved].any()
 
     @property
     def _systems(self) -> Sequence[SceneSystem]:
@@ -328,9 +334,8 @@ class CompiledScene:
         """
         items = self.system.items
         items.counting[:] = EACH if watch.has_one_evaluation else ALL_BUT_FIRST, 0
-        self._called = self._called or called(self.system, *self._calls, finish_step)
         given, where = self.loads.sample(times), (piece.h, done, piece.in_interval, history)
-        self._take_steps(scheme, self._called, given, state, *where, watch.path, watch.before)
+        self._take_steps(scheme, self.called, given, state, *where, watch.path, watch.before)
         items.counting[MODE] = NOT_COUNTED
         self.require_independence()
         self._require_on_cables()
@@ -342,8 +347,8 @@ class CompiledScene:
 
     def _require_on_cables(self) -> None:
         """Raise OffCableError if what slides has left its cable; it names the joint."""
-        rows = self.system.items.joints.rows
-        for slider in self.system.items.sliders.records:
+        sliders, rows = self.system.items.sliders.records, self.system.items.joints.rows
+        for slider in sliders if len(sliders) else ():  # an empty array takes long to look through
             beyond = max(-slider.x, slider.x - slider.length)
             if beyond > BEYOND * slider.length:
                 row = int(np.flatnonzero(rows["points"][:, 0] == slider.point)[0])
@@ -459,6 +464,8 @@ class CompiledScene:
 
     def energies_of_spins(self, duration: float) -> Array:
         """See `EvaluatedScene`."""
+        if not self._has_spins:
+            return _NOTHING
         return energies_of_spins(self.system.items.bodies, duration, len(self.system.items.force))
 
     @property

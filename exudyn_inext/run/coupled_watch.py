@@ -5,6 +5,7 @@ that depends on the configuration changes the energy, too: the forces of Exudyn 
 to the momentum, of which the kinetic energy takes one half.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
@@ -267,12 +268,13 @@ class CoupledWatch(RunWatch):
         Strong implicit damping of axial vibrations turns accelerations round, too: these become smaller.
         """
         way, change = state.q - self.before[0], (h / self._limit) ** 2 * (state.a - self.before[1])
-        of_way, of_change, of_sum = (
-            self._evaluated.kinetic_energy(state.q, velocity) for velocity in (way, change, way + change)
-        )
-        product = of_way + of_change - of_sum
-        matters = 0.5 * product * (self._limit / h) ** 2 > self._energy_tolerance * self._lacks[SCALE]
-        excess = float(np.sqrt(2.0 * of_change / product)) if matters and product > 0.0 else 0.0
+        energy, least = self._evaluated.kinetic_energy, self._energy_tolerance * float(self._lacks[SCALE])
+        least *= 2.0 * (h / self._limit) ** 2
+        of_way, of_change = energy(state.q, way), energy(state.q, change)
+        if not 2.0 * math.sqrt(abs(of_way * of_change)) > least:  # the product is no larger
+            return 0.0
+        product = of_way + of_change - energy(state.q, way + change)
+        excess = math.sqrt(2.0 * of_change / product) if product > least else 0.0
         is_damped = self.stretches and excess > 1.0 and not self._grows(state)
         return 0.0 if is_damped else excess
 

@@ -28,7 +28,7 @@ class EvaluatedScene(Protocol):
     def energies_of_spins(self, duration: float) -> Array:
         """(size,) what a . M a / 2 lacks where bodies turn in space, at the last evaluation [J/s^2].
 
-        duration: of the run [s].
+        (0,) where none do.   duration: of the run [s].
         """
 
     @property

@@ -59,7 +59,7 @@ class MovedByExudyn(Mover):
     def approach_joints(self, time: float, end: float) -> bool:
         """Let violated joints be fulfilled at `end` [s]; returns whether all of them can be moved."""
         self._scene.native_items.approach_joints(time, end, self._state.q, FULFILLED)
-        if self.approaches:
+        if self.approaches and self._scene.parts_in_one:
             self._scene.leave_compiled_parts()
         return True
 

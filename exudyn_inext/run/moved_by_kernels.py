@@ -1,13 +1,14 @@
 """A coupled scene that compiled kernels move: many steps in one call, of which mbs knows nothing."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from contextlib import AbstractContextManager
 from typing import Any
 
 import numpy as np
 
 from ..arrays import Array, Places
-from ..compiled import kernel
+from ..called_system import kernel_behind
+from ..compiled import Prepared, kernel
 from ..errors import SceneError
 from ..integrators.integrator import Integrator
 from ..multibody.connectors import places_of_rubbing
@@ -47,6 +48,7 @@ class MovedByKernels(Mover):
         if self._may_damp_contact:
             self.dofs_in_implicit_contact = form.dofs_in_implicit_contact
         self._foreseen = state.q.copy(), state.v.copy()  # at the end of a step
+        self._beginnings: dict[Callable[..., None], Prepared] = {}
         self._end_of_step = 0.0  # until which joints are moved [s]
         self._recorded = 0  # intervals
         self._first_data = self.data[0]  # of them
@@ -62,6 +64,15 @@ class MovedByKernels(Mover):
     @property
     def _quick_system(self) -> CompiledScene:
         return self._form
+
+    def begin_by(self, function: Callable[..., None], time: float) -> None:
+        """By a kernel, if it is one, that integrators of lone cables use as well."""
+        behind = kernel_behind(function)
+        if behind is function:
+            super().begin_by(function, time)
+        else:
+            begin = self._beginnings.setdefault(function, Prepared(behind))
+            begin(self._form.called, self.external_at(time), self._state)
 
     def external_at(self, time: float) -> Array:
         loads = self._form.loads

@@ -22,8 +22,8 @@ class Steered:
     def __init__(self, size: int) -> None:
         """size: number n of values."""
         self.memory = np.zeros(4 * size + 3)
-        rates, changes = self.memory[3:].reshape(2, 2, size)
-        self._rates, self._changes = rates, changes  # of the step before, and of this one
+        self._history = self.memory[3:].reshape(2, 2, size)  # rates and changes, before and in this step
+        self._rates, self._changes = self._history
         self._times = self.memory[:3]  # duration of the step before, begin and end of this one [s]
         self._nothing, *self._powers = np.zeros((4, 3, size))  # of the time that is left
         self._end = 0.0
@@ -49,8 +49,7 @@ class Steered:
         if abs(time - last_begin) <= nearly and abs(end - last_end) <= nearly:
             return
         follows = abs(time - last_end) <= nearly
-        for before, present in (self._rates, self._changes):
-            before[:] = present if follows else 0.0
+        self._history[:, 0] = self._history[:, 1] if follows else 0.0
         self._times[:] = last_end - last_begin if follows else 0.0, time, end
 
     def rest(self) -> None:
@@ -68,5 +67,5 @@ class Steered:
 
 def _smaller(one: Array, other: Array) -> Array:
     """That which is nearer to zero, where both have the same sign; elsewhere zero."""
-    smaller: Array = np.maximum(np.minimum(one, other), 0.0) + np.minimum(np.maximum(one, other), 0.0)
+    smaller: Array = np.maximum(np.minimum(one, other), np.minimum(np.maximum(one, other), 0.0))
     return smaller

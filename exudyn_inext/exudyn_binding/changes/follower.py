@@ -32,7 +32,7 @@ class ChangeFollower:
     """Looks after the runs of a scene whose parameters may change.
 
     mbs: the system.   scene: what it contains, read by `reader`.   log: of its changes.
-    builder: of other runs.   limit: of their steps.   sensors: data of all of them.
+    builder: of other runs.   limit: of their steps.   sensors: data of those that call functions.
     moves: whether something has moved through the last step.
     is_event: whether the last change was more than that of a parameter which is set step by step.
     """
@@ -49,6 +49,7 @@ class ChangeFollower:
 
     def __post_init__(self) -> None:
         self.reader.nodes = frozenset(node for cable in self.scene.cables for node in cable.item.nodes)
+        self.sensors = [data for data in self.sensors if data["sensorType"] == "UserFunction"]
         self._figures: dict[str, float] = {}
         self._jumped = False
         self._demands: dict[Parameter, Demand] = {}  # of the present runs
@@ -132,21 +133,23 @@ class ChangeFollower:
         alone = _alone(runs)
         if alone:
             return self._load_at_once(alone, changed, time)
-        asked = {key: self._demand(runs, key) for key in changed}
+        asked = {key: it for key in changed if (it := self._demand(runs, key))}
         weights = {key: changed[key] for key, it in asked.items() if it == Demand.WEIGH and _is_force(key)}
-        items = [key for key, it in asked.items() if it and key not in weights]
-        if not _have_begun(runs) or any(asked[key] > Demand.BEGIN for key in items):
+        items = [key for key in asked if key not in weights]
+        most = max((asked[key] for key in items), default=Demand.NOTHING)
+        if most > Demand.BEGIN or not _have_begun(runs):
             return False
         if weights or Demand.BEGIN in asked.values():
             forget_evaluators(self.sensors)
         else:
             take_forces(self.sensors, {})
         coupled = [run for run in runs if isinstance(run, CoupledRun)]
-        if not (_weigh(coupled, weights) and all(run.mover.take_values(items) for run in coupled)):
+        if weights and not _weigh(coupled, weights):
             return False
-        if Demand.BEGIN in asked.values():
-            for run in coupled:
-                start_after_jump(run, run.begin_again, time)
+        if not all([run.mover.take_values(items) for run in coupled]):
+            return False
+        for run in coupled if most == Demand.BEGIN else ():
+            start_after_jump(run, run.begin_again, time)
         return True
 
     def _load_at_once(self, runs: Sequence[CableRun], changed: Mapping[Parameter, Any], time: float) -> bool:
@@ -248,7 +251,7 @@ def _loaded(runs: Sequence[CableRun], changed: Mapping[Parameter, Any]) -> list[
 def _weigh(runs: Sequence[CoupledRun], weights: Mapping[Parameter, Any]) -> bool:
     """Whether these are constant weights of cables among others, and act now."""
     values = _components(weights)
-    return not weights or all(run.set_weights(values) == values.keys() for run in runs)
+    return all(run.set_weights(values) == values.keys() for run in runs)
 
 
 def _components(changed: Mapping[Parameter, Any]) -> dict[int, Array]:

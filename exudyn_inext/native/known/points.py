@@ -1,5 +1,6 @@
 """Markers as points: of the ground, of bodies, of cables."""
 
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -114,24 +115,29 @@ class PointReader:
         known = self._known.get(number)
         return known is None or self._points[known.point]["kind"] in (FIXED, ON_BODY)
 
-    def place_again(self, number: int, points: Any) -> None:
-        """A marker on the ground or a body has another place.   points: records that a system holds now."""
+    def place_again(self, number: int, memories: Sequence[Any]) -> None:
+        """A marker on the ground or a body has another place.   memories: records that systems hold now."""
         if number not in self._known:
             return
-        data, point = self._mbs.GetMarker(number), points[self._known[number].point]
-        if point["kind"] == ON_BODY:
-            point["local"][:] = data["localPosition"]
-        else:
-            ground = self._mbs.GetObject(data["bodyNumber"])
-            point["x"][0] = _place_on_ground(ground, data["localPosition"])
-            point["orientation"][:] = ground["referenceRotation"]
+        local, place = self._mbs.GetMarkerParameter(number, "localPosition"), self._known[number].point
+        if self._points[place]["kind"] == ON_BODY:
+            for points in memories:
+                points["local"][place] = local
+            return
+        body = self._mbs.GetMarkerParameter(number, "bodyNumber")
+        position, rotation = (
+            self._mbs.GetObjectParameter(body, name) for name in ("referencePosition", "referenceRotation")
+        )
+        x = _place_on_ground(position, rotation, local)
+        for points in memories:
+            points["x"][place, 0], points["orientation"][place] = x, rotation
 
     def _on_object(self, number: int, local: Array, has_frame: bool, turn: Array) -> Place:
         data = self._mbs.GetObject(number)
         if data["objectType"] == "Ground":
             orientation = np.asarray(data["referenceRotation"], dtype=float)
-            place = self.fixed(_place_on_ground(data, local), orientation, has_frame)
-            return place._replace(turn=turn)
+            x = _place_on_ground(data["referencePosition"], orientation, local)
+            return self.fixed(x, orientation, has_frame)._replace(turn=turn)
         if number in self._of_bodies:
             return self.on_body(self._of_bodies[number], local, has_frame)._replace(turn=turn)
         if self.is_on_other_node(data):
@@ -299,9 +305,9 @@ class PointReader:
         return self._add(point)
 
 
-def _place_on_ground(ground: dict[str, Any], local: Any) -> Array:
+def _place_on_ground(position: Any, rotation: Any, local: Any) -> Array:
     """(3,) of a point `local` (3,) in the frame of an object."""
-    place: Array = ground["referencePosition"] + np.asarray(ground["referenceRotation"]) @ local
+    place: Array = position + np.asarray(rotation) @ local
     return place
 
 

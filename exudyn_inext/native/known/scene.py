@@ -177,14 +177,8 @@ class KnownNumbers:
         connectors, loads = memories[0].connectors, memories[0].loads
         if kind == "Object" and number in self._bodies:
             return self._weigh_again(number, memories)
-        markers = self._markers_placed_by(Parameter(*item))
-        if markers is not None:
-            for marker in markers:
-                for memory in memories:
-                    self._reader.place_again(marker, memory.points)
-            return True
-        if number not in (self._forces if kind == "Load" else self._springs):
-            return False
+        if kind == "Marker" or number not in (self._forces if kind == "Load" else self._springs):
+            return self._place_again(item, memories)
         before = self._reader.number_of_points
         try:
             is_known = (
@@ -193,6 +187,12 @@ class KnownNumbers:
         except UnknownItemError:
             return False
         return is_known and self._reader.number_of_points == before
+
+    def _place_again(self, item: ChangedItem, memories: Sequence[Items]) -> bool:
+        markers = self._markers_placed_by(Parameter(*item))
+        for marker in markers or ():
+            self._reader.place_again(marker, [memory.points for memory in memories])
+        return markers is not None
 
     def _weigh_again(self, number: int, memories: Sequence[Items]) -> bool:
         mass, loads = mass_of_parameters(self._mbs.GetObject(number)), memories[0].loads
