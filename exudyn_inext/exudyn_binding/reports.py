@@ -63,6 +63,7 @@ class StaticReport(Report):
         )
         lowest = max(self["smallestEigenvalue"], 0.0) ** 0.5
         yield f"lowest natural frequency: {lowest:.4g} rad/s"
+        yield f"functions of loads and supports as at timeIntegration.startTime = {self['time']:g} s"
         yield f"cables: {', '.join(row['name'] for row in self['cables'])}"
 
 

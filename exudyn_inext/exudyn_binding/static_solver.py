@@ -142,7 +142,7 @@ def SolveEquilibrium(
 
     Returns:
         dict, which prints as a summary, with 'success', 'residual' [N], 'violation' of constraints [-, m],
-        'iterations',
+        'iterations', 'time' [s] at which functions of loads and supports were asked,
         'smallestEigenvalue' of the constrained Hessian over the mass [1/s^2] (its root is the lowest
         natural frequency), each the worst of all cables, and 'cables' (the same for each one, with its
         'coordinates'); among bodies and joints the figures are those of the whole scene. A body that is free
@@ -202,7 +202,7 @@ def _solve_cables(mbs: Any, scene: Scene, time: float, static: StaticSettings) -
     """Each cable by itself; arguments: see `_solve_cable`."""
     cables = scene.cables
     found = [_solve_cable(mbs, cable, time, static) for cable in cables]
-    report = _report(cables, found)
+    report = _report(cables, found, time)
     failed = [(c, e) for c, e in zip(cables, found, strict=True) if not e.converged]
     if failed:
         cable, equilibrium = failed[0]
@@ -271,7 +271,7 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
         replace(equilibrium, q=q[dofs].reshape(cable.cable.reference.shape))
         for cable, dofs in zip(scene.cables, joined.map.slices, strict=False)
     ]
-    report = _report(scene.cables, of_cables)
+    report = _report(scene.cables, of_cables, time)
     if not equilibrium.converged:
         pairs = zip(scene.cables, of_cables, strict=True)
         said = _failure("the scene", equilibrium, "maxIterations", pairs, time, where, taut)
@@ -324,7 +324,7 @@ def _require_known_weight(scene_cable: CableInScene) -> None:
             )
 
 
-def _report(cables: list[CableInScene], found: list[Equilibrium]) -> dict[str, Any]:
+def _report(cables: list[CableInScene], found: list[Equilibrium], time: float) -> dict[str, Any]:
     rows = [
         {
             "name": cable.name,
@@ -343,6 +343,7 @@ def _report(cables: list[CableInScene], found: list[Equilibrium]) -> dict[str, A
             "violation": max(equilibrium.violation for equilibrium in found),
             "iterations": max(equilibrium.iterations for equilibrium in found),
             "smallestEigenvalue": min(equilibrium.smallest_eigenvalue for equilibrium in found),
+            "time": time,
             "cables": rows,
         }
     )

@@ -353,10 +353,10 @@ def warn_of_many_steps(runs: Sequence[Run], choice: StepChoice, duration: float,
 
     asked: numberOfSteps.
     """
-    steps = duration / choice.h
     is_own_choice = choice.explicit.stepSize is None and choice.decided_by == "bending"
-    if not is_own_choice or steps < max(MANY * asked, LONG):
+    if not (is_own_choice and 0.0 < choice.h < duration / max(MANY * asked, LONG)):
         return
+    steps = duration / choice.h
     for run in runs:
         if isinstance(run, CoupledRun) and steps > (LONG_COMPILED if run.looks_ahead else LONG):
             node, native = run.fastest

@@ -85,6 +85,7 @@ def test_an_equilibrium_prints_its_figures(mbs):
         report = exudyn_inext.SolveEquilibrium(mbs)
     lowest = report["smallestEigenvalue"] ** 0.5
     assert f"lowest natural frequency: {lowest:.4g} rad/s" in str(report)
+    assert "timeIntegration.startTime = 0 s" in str(report) and report["time"] == 0.0
     assert "a stable equilibrium after" in str(report) and "array" not in str(report)
 
 
