@@ -252,6 +252,8 @@ def largest_frequency(
         inputs[q.size :].reshape(-1, 3, q.shape[2])[:, 1] = 0.0  # velocities of the anchors
     acceleration, rate = np.zeros((2, *q.shape))
     accelerate_and_project(system, inputs, q.ravel(), v.ravel(), 0.0, acceleration.ravel(), rate.ravel())
+    if not np.isfinite(acceleration).all():
+        return float("nan")
     return _frequency_of(system, _vibrating(system, q, acceleration))
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import cached_property
 from typing import Any
 
 import exudyn
@@ -244,12 +245,21 @@ class NativeItems:
     def depths_of_contacts(self) -> Array | None:
         """(2, D) what they remember: signs, and of what is negative, as in closed contacts, powers of two.
 
-        None: nobody knows, as of a GeneralContact.
+        Zero for springs that count turns. None: nobody knows, as of a GeneralContact.
         """
         if self._mbs.NumberOfGeneralContacts():
             return None
-        data = self.remembered
+        data = np.where(self._are_turns, 0.0, self.remembered)
         return np.array([np.sign(data), np.frexp(np.minimum(data, 0.0))[1]])
+
+    @cached_property
+    def _are_turns(self) -> np.ndarray:
+        """(D,) whether data are angles of springs that count turns."""
+        result, data = np.zeros(self._data.DataSize(), bool), self._data
+        for number in range(data.NumberOfObjects()):
+            if self._mbs.GetObject(number)["objectType"] == "ConnectorTorsionalSpringDamper":
+                result[np.array(data.GetObjectLTGData(number), dtype=int)] = True
+        return result
 
     def settled(self, t: float, q: Array, v: Array) -> Array:
         """(D,) what contacts remember once they have settled at (t, q, v)."""

@@ -6,7 +6,8 @@ import pytest
 from exudyn.itemInterface import MarkerBodyPosition, MarkerNodePosition, SensorObject, SphericalJoint
 from exudyn.utilities import InertiaCuboid
 
-from exudyn_inext import ExplicitSettings, ExplicitStepper, SolveEnsemble
+from exudyn_inext import ExplicitSettings, ExplicitStepper, SolveEnsemble, SolveExplicit
+from exudyn_inext.run.coupled_run import CoupledRun
 from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import add_pendulum
 
@@ -111,3 +112,15 @@ def test_no_turn_is_lost_by_steps_of_more_than_half_a_turn(new_mbs, solve):
     _, sensors = rotor(mbs, 2, spin=2000.0)
     solve(mbs, settings=settings())
     np.testing.assert_allclose(seen(mbs, sensors), wanted, rtol=1e-4, atol=1e-3)
+
+
+def test_turns_are_no_contact_that_has_changed(mbs, monkeypatch):
+    """Where Exudyn evaluates the spring: the limit of the step is not found again because it turns."""
+    spring, sensors = rotor(mbs, 2, torque=-0.35)
+    law = lambda mbs, t, number, angle, rate, stiffness, damping, offset: stiffness * angle  # noqa: E731
+    mbs.SetObjectParameter(spring, "springTorqueUserFunction", law)
+    looks = []
+    monkeypatch.setattr(CoupledRun, "_limit_of_motion", lambda run, time: looks.append(time) or np.inf)
+    with silence():
+        SolveExplicit(mbs, settings(500))
+    assert seen(mbs, sensors)[-1, 0] < -1.0 and not looks
