@@ -27,6 +27,7 @@ class Restarts:
     Attributes:
         found: what the run continues from, or None.
         mass_scaling: theta of the run, to be written; that of the run which is continued.
+        damps_implicitly: whether dashpots of springs are implicit in the run which is continued, or None.
         changes: what user functions had changed when the file was written; empty if nothing, or without one.
         changes_so_far: () -> what they have changed, to be written.
 
@@ -36,6 +37,7 @@ class Restarts:
 
     changes_so_far: Callable[[], dict[str, Any]] = dict
     mass_scaling: float | None = None
+    damps_implicitly: bool | None = None
 
     def __init__(self, mbs: Any, settings: Any, explicit: ExplicitSettings) -> None:
         options = settings.solution.restart
@@ -55,6 +57,7 @@ class Restarts:
             header = self.found.header
             self._require_same(header["identity"], header["meanwhile"])
             self.mass_scaling, self.changes = header["massScaling"], header["changes"]
+            self.damps_implicitly = header["dampsImplicitly"]
             self._old = TimeGrid(**header["grid"])
 
     def _present_identity(self) -> dict[str, dict[str, str]]:
@@ -149,6 +152,7 @@ class Restarts:
             "grid": asdict(replace(grid, first=step)),
             "loopStep": self.found.header["loopStep"] if self.found else loop_step,
             "massScaling": self.mass_scaling,
+            "dampsImplicitly": any(getattr(run, "damps_implicitly", False) for run in runs),
             "evaluatedBy": [run.evaluated_by for run in runs],
             "changes": self.changes_so_far(),
             "identity": self._identity,

@@ -205,7 +205,8 @@ def _solve(
         log.is_followed = is_watched(mbs, runs)
         duration = float(settings.timeIntegration.endTime) - start
         scaled = bounds_if_scaled(mbs, scene, start, given.h if given else 0.0, explicit)
-        choice = choose_step(runs, start, duration, explicit, scaling, scaled)
+        damps = restarts.damps_implicitly
+        choice = choose_step(runs, start, duration, explicit, scaling, scaled, damps_implicitly=damps)
         if choice.h > longest:
             choice = replace(choice, h=longest, decided_by="axial vibrations")
         bounds, explicit = choice.bounds, choice.explicit

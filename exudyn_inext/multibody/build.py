@@ -10,7 +10,9 @@ from ..arrays import Array
 from .build_joints import build_joints
 from .build_nodes import Ends, ends_of_cables
 from .cables import Cables, provide_cables, provide_damping, show_matrix
+from .dashpots import rows_of_dashpots
 from .implicit_contacts import add_contact, mark_implicit
+from .rows import ROW
 from .scene import Items, SceneSystem
 
 FunctionOfTime = Callable[[Sequence[float]], Array]
@@ -50,7 +52,7 @@ def build_scene(
         zeta: stabilisation rate [1/s].   drift_correction: (m,) memory, see `CoupledSystem`.
         still: (n_cables,) coordinates of cables that supports hold.   path: see `Items`.
     """
-    ends = _without(ends_of_cables(chains, places), places, known.sliders.records["first"].tolist())
+    ends = _ends(chains, places, known.sliders)
     joints = build_joints(places, known.bodies, known.points, known.rows, drift_correction, still, ends)
     force, given, predicted = np.zeros((3, size))
     implicit = mark_implicit(cables, chains, known.contacts.records)
@@ -64,6 +66,41 @@ def build_scene(
     number = places[-1].stop if places else 0
     ahead = np.repeat(cables.inputs[:-1] - cables.dofs[:-1], np.diff(cables.dofs))  # motions of those before
     return SceneSystem(cables, number, np.zeros(cables.inputs[-1]), np.arange(number) + ahead, items, zeta)
+
+
+def with_dashpots(
+    system: SceneSystem, chains: Sequence[Any], places: Sequence[slice], still: np.ndarray
+) -> SceneSystem | None:
+    """The same one, with rows for its dashpots; None if it has none.   Arguments: see `build_scene`.
+
+    Drift corrections of its joints are then the first ones of a longer memory.
+    """
+    items, joints = system.items, system.items.joints
+    dashpots = rows_of_dashpots(items.connectors)
+    if not len(dashpots):
+        return None
+    drift_correction = np.concatenate([joints.drift_correction, np.zeros(len(dashpots))])
+    holding = len(joints.rows)
+    rows = np.zeros(holding + len(dashpots), ROW)
+    rows[:holding], rows[holding:] = joints.rows, dashpots
+    given = places, items.bodies, items.points, rows, drift_correction, still
+    built = build_joints(*given, _ends(chains, places, items.sliders), holding)
+    if len(built.nodes.dof):
+        provide_cables(system.cables, chains, show_matrix)
+    provide_damping(system.cables, chains, True)
+    return system._replace(items=items._replace(joints=built))
+
+
+def _ends(chains: Sequence[Any], places: Sequence[slice], sliders: Any) -> Ends:
+    """Of cables whose nodes can be unknowns."""
+    return _without(ends_of_cables(chains, places), places, sliders.records["first"].tolist())
+
+
+def held_coordinates(systems: Sequence[Any]) -> np.ndarray:
+    """(n_cables,) which coordinates of cables their supports hold."""
+    chains = [system.chain for system in systems]
+    held = [np.repeat(chain.nodes["free"].ravel() == 0.0, len(chain.axes)) for chain in chains]
+    return np.concatenate([np.zeros(0, dtype=bool), *held])
 
 
 def _without(ends: Ends, places: Sequence[slice], firsts: Sequence[int]) -> Ends:

@@ -41,6 +41,7 @@ def build_joints(
     drift_correction: Array,
     still: np.ndarray,
     ends: Ends,
+    holding: int | None = None,
 ) -> Joints:
     """The rows of all joints.
 
@@ -49,6 +50,7 @@ def build_joints(
         drift_correction: (m,) memory, see `CoupledSystem`.
         still: (n_cables,) coordinates of cables that supports hold.
         ends: of cables whose nodes can be unknowns.
+        holding: number of the rows that are not of dashpots; None: all.
 
     It sets `entry` of the rows.
     """
@@ -79,6 +81,7 @@ def build_joints(
     place_of_row[alone] = place[len(free) : len(free) + len(alone)]
     return Joints(
         rows=rows,
+        holding=len(rows) if holding is None else holding,
         entries=entries,
         holds=_build_holds(found, np.append(place, NONE), factor, len(places)),
         members=_build_members(knots, found),

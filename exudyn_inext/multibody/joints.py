@@ -100,15 +100,18 @@ class Members(NamedTuple):
 class Joints(NamedTuple):
     """m rows.
 
-    rows: (m,) records.   place: (m,) of their multipliers among the unknowns, or NONE: of a knot.
+    rows: (m,) records.   holding: number of those of joints, which come first; those of dashpots yield.
+    place: (m,) of their multipliers among the unknowns, or NONE: of a knot.
     nodes: of cables with many rows.
     factor: of S.   is_row: (n,) whether an unknown is a multiplier.   diagonal: (n,) of S.
-    value, gamma, multipliers: (m,) c, see `rows.row_gamma`, nu.   drift_correction: (m,) see `CoupledSystem`.
+    value, gamma, multipliers: (m,) c, see `rows.row_gamma`, nu; gamma of dashpots: J v, as predicted.
+    drift_correction: (m,) see `CoupledSystem`.
     rate, target: (m,) c_t, and memory of a solve.   unknowns, solved: (n,), (m,) memory.
     dependent: (1,) a row that is not independent of the others, or NONE.
     """
 
     rows: Any
+    holding: int
     entries: Entries
     holds: Holds
     members: Members
@@ -248,6 +251,10 @@ def factorise_joints(joints):
     for j in range(len(joints.diagonal)):
         joints.diagonal[j] = factor.values[factor.start[j]]
     add_nodes(joints.nodes, joints.entries, joints.place, factor.values, joints.diagonal)
+    for r in range(joints.holding, len(joints.rows)):
+        place = joints.place[r]
+        factor.values[factor.start[place]] += joints.rows[r].softness
+        joints.diagonal[place] += joints.rows[r].softness
     for j in range(len(joints.diagonal)):
         pivot = factor.values[factor.start[j]]
         if joints.is_row[j]:
@@ -271,6 +278,17 @@ def set_rates(joints, v):
         first, dof = entries.first[e], entries.dof[e]
         for i in range(entries.begin[e], entries.stop[e]):
             joints.rate[entries.row[e]] += entries.jacobian[first + i] * v[dof + i]
+
+
+@inlined
+def predict_rates_of_dashpots(joints, predicted):
+    """J times these velocities (n,) into gamma of dashpots, of which nothing else is known."""
+    entries = joints.entries
+    for e in range(len(entries.first)):
+        if entries.row[e] >= joints.holding:
+            first, dof = entries.first[e], entries.dof[e]
+            for i in range(entries.begin[e], entries.stop[e]):
+                joints.gamma[entries.row[e]] += entries.jacobian[first + i] * predicted[dof + i]
 
 
 @inlined
@@ -340,7 +358,7 @@ def _set_right_hand_side(joints, x):
         unknowns[j] = 0.0
     for r in range(len(joints.place)):
         if joints.place[r] >= 0:
-            unknowns[joints.place[r]] = -joints.target[r]
+            unknowns[joints.place[r]] = -joints.target[r] - joints.rows[r].softness * joints.solved[r]
     for p in range(len(holds.end)):
         end, knots = holds.end[p], holds.at_knots[p]
         if knots > 0:
@@ -375,7 +393,7 @@ def _set_forces(joints):
 
 @inlined
 def apply_joints(joints, x, refines):
-    """x -= A^-1 J^T nu, such that J x is the target; nu is left in `solved`.
+    """x -= A^-1 J^T nu, such that J x is the target, or more by softness nu; nu is left in `solved`.
 
     Args:
         x: (n,).   refines: whether a second pass makes up for knots that yield.
@@ -415,9 +433,22 @@ def keep_multipliers(joints):
 
 @inlined
 def subtract_forces(joints, x):
-    """x -= J^T nu.   x: (n,)."""
+    """x -= J^T nu of joints.   x: (n,)."""
+    _subtract_forces(joints, 0, joints.holding, x)
+
+
+@inlined
+def subtract_forces_of_dashpots(joints, x):
+    """x -= J^T nu of dashpots.   x: (n,)."""
+    _subtract_forces(joints, joints.holding, len(joints.rows), x)
+
+
+@inlined
+def _subtract_forces(joints, begin, end, x):
+    """Of the rows from `begin` to `end`."""
     entries = joints.entries
     for e in range(len(entries.first)):
-        force, first, dof = joints.multipliers[entries.row[e]], entries.first[e], entries.dof[e]
-        for i in range(entries.begin[e], entries.stop[e]):
-            x[dof + i] -= entries.jacobian[first + i] * force
+        if begin <= entries.row[e] < end:
+            force, first, dof = joints.multipliers[entries.row[e]], entries.first[e], entries.dof[e]
+            for i in range(entries.begin[e], entries.stop[e]):
+                x[dof + i] -= entries.jacobian[first + i] * force

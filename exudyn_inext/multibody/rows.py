@@ -8,6 +8,7 @@ With the distance d = x_1 - x_0 and axes e_0 and e_1 that are fixed to the point
     DISTANCE    c = |d| - o
     PARALLEL    of slopes, see `same_slope`: b = e_0, d = e_1
     ROLLING     of velocities alone, see `rolling`: n = e_0, a = e_1, r = o; c = 0
+    DASHPOT     no joint, see `dashpots`: c_t is the rate of a spring's stretch; c = 0
 
 o may follow functions of time, and e_0 may turn by them in its frame: c_t = d . e_0t - o_t, or e_0t . e_1,
 where nothing else moves. A DIFFERENCE of angles counts modulo its period.
@@ -21,14 +22,14 @@ from .points import cross, dot
 from .rolling import place_contact, rolling_gamma
 from .same_slope import slope_difference, slope_gamma
 
-DIFFERENCE, ALONG, ACROSS, DISTANCE, PARALLEL, ROLLING = range(6)
+DIFFERENCE, ALONG, ACROSS, DISTANCE, PARALLEL, ROLLING, DASHPOT = range(7)
 
 ROW = record_type(
     [
         ("kind", np.int64),
         ("points", np.int64, (2,)),
         ("entry", np.int64, (2,)),  # of each point, see `joints`; -1 for one that is fixed
-        ("component", np.int64),  # i of DIFFERENCE, s of ALONG, which b of ROLLING
+        ("component", np.int64),  # i of DIFFERENCE, s of ALONG, which b of ROLLING, axis of DASHPOT
         ("axes", np.float64, (2, 3)),  # e_0 and e_1 in their frames
         ("factor", np.float64),  # f
         ("offset", np.float64),  # o, at present
@@ -45,6 +46,9 @@ ROW = record_type(
         ("drift", np.float64),  # -c_t where nothing else moves
         ("e", np.float64, (2, 3)),  # e_0 and e_1 at present; of PARALLEL dc/dx_0 and dc/dx_1
         ("d", np.float64, (3,)),  # distance at present; of ROLLING s
+        ("connector", np.int64),  # of DASHPOT; dc_t/dx_t and dc_t/dw of both points are e and `turned`
+        ("lag", np.float64),  # of DASHPOT, W by d [s]; 0: the damper is explicit
+        ("softness", np.float64),  # of DASHPOT, see there; 0: the row does not yield
     ]
 )
 
@@ -95,6 +99,8 @@ def _set_distance(row, one, other):
 def row_value(row, one, other):
     """c, with the axes, the distance and the drift at present."""
     row.drift = row.rates[0]
+    if row.kind == DASHPOT:
+        return 0.0
     if row.kind == PARALLEL:
         return slope_difference(row.axes[0], row.axes[1], one.x[0], other.x[0], row.e)
     if row.kind == DIFFERENCE:
@@ -139,8 +145,8 @@ def row_derivative(row, side, sign, velocity, spin):
         return total
     if row.kind == DISTANCE:
         return sign * dot(velocity, row.d) / np.sqrt(dot(row.d, row.d))
-    if row.kind == PARALLEL:
-        return dot(velocity, row.e[side])
+    if row.kind == PARALLEL or row.kind == DASHPOT:
+        return dot(velocity, row.e[side]) + dot(spin, row.turned[side])
     if row.kind == ROLLING:
         total = 0.0
         for i in range(3):
@@ -186,6 +192,8 @@ def row_gamma(row, one, other):
 def _gamma_at_rest(row, one, other):
     """That of an offset that does not change."""
     total = 0.0
+    if row.kind == DASHPOT:
+        return total
     if row.kind == DIFFERENCE:
         i = row.component
         return one.x[2, i] - row.factor * other.x[2, i]

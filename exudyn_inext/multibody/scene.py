@@ -49,6 +49,7 @@ from .cables import (
 )
 from .circle_contacts import Contacts, NoContacts, add_contacts, finish_contacts, recall_contacts
 from .connectors import add_connectors
+from .dashpots import aim_dashpots
 from .implicit_contacts import complete_contacts, press, reconsider_contacts
 from .joints import (
     Joints,
@@ -57,11 +58,13 @@ from .joints import (
     keep_multipliers,
     largest_value,
     power_of_offsets,
+    predict_rates_of_dashpots,
     respond_with_bodies,
     set_jacobian,
     set_rates,
     set_values,
     subtract_forces,
+    subtract_forces_of_dashpots,
 )
 from .loads import add_loads
 from .points import move_points, place_points
@@ -181,6 +184,7 @@ def hold(items, q, v):
         move_body(items.bodies[b], q, v)
     _move_points(items, q, v)
     set_values(items.joints, items.points)
+    aim_dashpots(items.joints, items.connectors, items.points)
     set_jacobian(items.joints, items.points)
     respond_with_bodies(items.joints, items.bodies)
 
@@ -214,21 +218,29 @@ def _project_bodies(items, v, zeta, x):
 
 
 @called_kernel
-def _join_accelerations(joints, zeta, learned, v, acceleration):
-    """Factorised: J a = gamma - zeta J v, and that share of what earlier steps taught.   v: (n,)."""
+def _join_accelerations(joints, zeta, learned, v, predicted, duration, acceleration):
+    """Factorised: J a = gamma - zeta J v, and that share of what earlier steps taught.   v: (n,).
+
+    predicted: (n,) velocities at the end of the duration [s], by the accelerations before.
+    """
     factorise_joints(joints)
     set_rates(joints, v)
-    for r in range(len(joints.rows)):
+    predict_rates_of_dashpots(joints, predicted)
+    for r in range(joints.holding):
         joints.target[r] = joints.gamma[r] + learned * joints.drift_correction[r] - zeta * joints.rate[r]
+    for r in range(joints.holding, len(joints.rows)):
+        joints.target[r] = (joints.gamma[r] - joints.rate[r]) / duration if duration > 0.0 else 0.0
     apply_joints(joints, acceleration, True)
     keep_multipliers(joints)
 
 
 @called_kernel
 def _join(joints, share, moving, x, refines):
-    """J x = -share c + moving o_t; see `apply_joints`."""
-    for r in range(len(joints.rows)):
+    """J x = -share c + moving o_t; see `apply_joints`. What moves has the rates of dashpots as predicted."""
+    for r in range(joints.holding):
         joints.target[r] = -share * joints.value[r] + moving * joints.rows[r].drift
+    for r in range(joints.holding, len(joints.rows)):
+        joints.target[r] = moving * joints.gamma[r]
     apply_joints(joints, x, refines)
 
 
@@ -238,7 +250,7 @@ def _accelerate_joined(system, q, v, zeta, learned, acceleration, duration, end_
     joints, added = system.items.joints, system.items.predicted
     hold(system.items, q, v)
     respond_with_cables(system.cables, joints)
-    _join_accelerations(joints, zeta, learned, v, acceleration)
+    _join_accelerations(joints, zeta, learned, v, added, duration, acceleration)
     for i in range(len(q)):
         added[i] = acceleration[i] if i < system.cable_dofs else 0.0
     if improve_cables(system.cables, q, added):
@@ -248,6 +260,7 @@ def _accelerate_joined(system, q, v, zeta, learned, acceleration, duration, end_
             end_velocity[i] += duration * added[i]
         for r in range(len(joints.multipliers)):
             joints.multipliers[r] += joints.solved[r]
+    subtract_forces_of_dashpots(joints, system.items.force)
 
 
 @implements(index_reduced_rates, SceneSystem)
@@ -284,7 +297,6 @@ def accelerate_and_project_scene(system, external, q, v, duration, acceleration,
         for i in range(number if duration > 0.0 else 0):
             acceleration[i] = (predicted[i] - v[i]) / duration
     complete_contacts(items.contacts, items.points, acceleration, items.force)
-    _count_work(items, q)
     accelerate_bodies(items, v, 0.0, acceleration)
     for i in range(number, len(q)):
         end_velocity[i] = v[i] + duration * acceleration[i]
@@ -292,6 +304,7 @@ def accelerate_and_project_scene(system, external, q, v, duration, acceleration,
     if len(items.joints.rows) > 0:
         _accelerate_joined(system, q, v, 0.0, 1.0, acceleration, duration, end_velocity)
         _join(items.joints, 0.0, 1.0, end_velocity, True)
+    _count_work(items, q)
 
 
 @called_kernel
@@ -492,7 +505,7 @@ def evaluate_states(system, items, loads, history, multipliers, forces, external
         external_force(loads, k, 0, external)
         recall_contacts(items.contacts, k)
         accelerate_and_project(system, external, q, v, 0.0, a, rate)
-        for r in range(len(joints.rows)):
+        for r in range(multipliers.shape[1]):
             multipliers[k, r] = joints.multipliers[r]
         for i in range(forces.shape[1]):
             forces[k, i] = items.force[i]

@@ -1,19 +1,18 @@
 """The compiled form of a scene, compared with what Exudyn says of it."""
 
-from collections.abc import Sequence
 from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
-from ..multibody.build import build_scene
+from ..multibody.build import build_scene, held_coordinates
 from ..multibody.scene import subtract_inertia_forces
 from ..run.compiled_scene import CompiledScene, SceneLoads, cables_of_scene
 from ..run.load_functions import LoadFunctions, StateFunctions
 from ..run.parts_in_one import CompiledParts
 from ..scene.bodies import bodies_rates
-from .evaluated_scene import CoupledCable, SceneOfExudyn
+from .evaluated_scene import SceneOfExudyn
 from .joint_rows import JointRows
 from .known.contacts import disturb
 from .known.scene import read_known_items
@@ -65,7 +64,7 @@ def compiled_form(
         of_loads = StateFunctions(numbers.functions, partial(_bring, scene, known.contacts))
     acting = SceneLoads(loads, known.functions, numbers.moved, of_loads)
     native = scene.system
-    still = _held_coordinates(scene.cables)
+    still = held_coordinates([cable.system for cable in scene.cables])
     cables = cables_of_scene(scene.groups, loads)
     memory = native.drift_correction, still, scene.path
     system = build_scene(cables, chains, places, known, scene.size, native.zeta, *memory)
@@ -88,13 +87,6 @@ def _bring(scene: SceneOfExudyn, contacts: Any, t: float, q: Array, v: Array) ->
     scene.native_items.set_state(t, q, v)
     for contact in active_general_contacts(scene.mbs):
         contact.UpdateContacts(scene.mbs)
-
-
-def _held_coordinates(cables: Sequence[CoupledCable]) -> np.ndarray:
-    """(n_cables,) which coordinates supports hold."""
-    chains = [cable.system.chain for cable in cables]
-    held = [np.repeat(chain.nodes["free"].ravel() == 0.0, len(chain.axes)) for chain in chains]
-    return np.concatenate([np.zeros(0, dtype=bool), *held])
 
 
 def require_agreement(
@@ -178,7 +170,8 @@ def _evaluated(form: CompiledScene, external: Array, q: Array, v: Array, number:
     result[: system.cable_dofs] = system.items.force[: system.cable_dofs]
     joints = system.items.joints
     drift = -joints.rows["drift"]
-    return result[:number], np.array([joints.value, joints.rate - drift, joints.gamma, drift])
+    rows = np.array([joints.value, joints.rate - drift, joints.gamma, drift])
+    return result[:number], rows[:, : joints.holding]
 
 
 def _evaluated_by_exudyn(

@@ -17,8 +17,9 @@ from ..called_system import Bound, called, implements
 from ..compiled import Prepared
 from ..errors import OffCableError, RedundantConstraintError
 from ..integrators.integrator import NO_WORK, LoadHistory
-from ..multibody.build import FunctionOfTime, copied
+from ..multibody.build import FunctionOfTime, copied, held_coordinates, with_dashpots
 from ..multibody.cables import Cables, cables_in_a_row, provide_cables
+from ..multibody.dashpots import LAG
 from ..multibody.joints import Joints
 from ..multibody.scene import (
     ALL_BUT_FIRST,
@@ -199,12 +200,13 @@ class CompiledScene:
         self._memory = np.zeros(len(system.items.force)), np.zeros(REPORTED)
         self._subtract_joint_forces = Prepared(subtract_joint_forces)
         self.forces = system.items.force
-        self.multipliers = system.items.joints.multipliers
         self.given = system.items.given
         self.history = self.contacts.history
 
     def _set(self, system: SceneSystem) -> None:
         self.system = system
+        joints = system.items.joints
+        self.multipliers = joints.multipliers[: joints.holding]
         self._accelerate = Bound(accelerate_and_project, system)
         self._report = Bound(report_energy, system)
         self._called: Any = None
@@ -242,13 +244,48 @@ class CompiledScene:
         counting[MODE] = NOT_COUNTED
 
     def set_step(self, h: float) -> None:
-        """Prepare implicit damping of contact for steps of h [s]; 0: it is explicit."""
+        """Prepare implicit damping of contact and dashpots for steps of h [s]; 0: it is explicit."""
         records = self.contacts.records
         records["lag"] = h * records["implicit"]
+        self._dashpots["lag"] = LAG * h
+
+    @property
+    def _dashpots(self) -> Any:
+        """Records of the rows of dashpots that are implicit."""
+        joints = self.system.items.joints
+        return joints.rows[joints.holding :]
+
+    @property
+    def damps_implicitly(self) -> bool:
+        """Whether dashpots of springs are implicit."""
+        return len(self._dashpots) > 0
+
+    def damp_implicitly(self) -> bool:
+        """Let dashpots of springs be implicit from now on; whether there are any."""
+        places = [dofs for dofs, _, _ in self._cables]
+        still = held_coordinates([system for _, system, _ in self._cables])
+        system = with_dashpots(self.system, self._chains, places, still)
+        if system:
+            self._set(system)
+            self._unscaled = None
+        return system is not None
 
     @contextmanager
-    def explicit_contact(self, damping: float = 1.0) -> Iterator[None]:
-        """Contact without implicit damping; what is implicit otherwise counts with that share, 0 or 1."""
+    def explicit_damping(self, damping: float = 1.0) -> Iterator[None]:
+        """Nothing of it is implicit; what is implicit otherwise counts with that share, 0 or 1."""
+        connectors, dashpots = self.system.items.connectors, self._dashpots
+        saved = connectors["damping"].copy(), dashpots["lag"].copy()
+        dashpots["lag"] = 0.0
+        connectors["damping"][np.unique(dashpots["connector"])] *= damping
+        try:
+            with self._explicit_contact(damping):
+                yield
+        finally:
+            connectors["damping"], dashpots["lag"] = saved
+
+    @contextmanager
+    def _explicit_contact(self, damping: float) -> Iterator[None]:
+        """As `explicit_damping`."""
         records = self.contacts.records
         saved, is_implicit = records.copy(), records["implicit"]
         records["lag"] = 0.0
@@ -416,7 +453,7 @@ class CompiledScene:
                 system.items.contacts.data[0] = remembered[k]
             external = self.loads.follow(self.loads.at(t), q, v)
             self._accelerate_unscaled(external, q, v, 0.0, a, rate)
-            multipliers[k] = system.items.joints.multipliers
+            multipliers[k] = system.items.joints.multipliers[: multipliers.shape[1]]
             forces[k] = self._joined_forces(system)
 
     def _without_scaling(self, cables: Sequence[Cable]) -> SceneSystem:
@@ -429,6 +466,7 @@ class CompiledScene:
         items, copies = self.system.items, copied(self.system.items)
         copies.contacts.records["lag"] = 0.0
         copies.joints.drift_correction[:] = 0.0
+        copies.joints.rows["lag"] = 0.0
         copies.bodies["drift_correction"] = 0.0
         forces = {"connectors": items.connectors, "loads": items.loads}  # may change
         return self.system._replace(cables=own, items=copies._replace(**forces))
@@ -540,4 +578,4 @@ def _dependent(joints: Joints, names: Sequence[str]) -> RedundantConstraintError
         own, size = row_of[begin:end], end - begin
         total[np.ix_(own, own)] += holds.local[first : first + size**2].reshape(size, size)
         begin = end
-    return dependent_rows(np.tril(total), names)
+    return dependent_rows(np.tril(total)[: joints.holding, : joints.holding], names)

@@ -57,6 +57,7 @@ class LimitedRun(PacedRun):
     _time: float  # of the state whose rates are known [s]
     _fastest: Array  # (2, 2, n) found by searches so far, see `fastest_rates`: as it is, and in contact
     frequency_of_states = 0.0
+    explicit_limit = 0.0  # of the step, if dashpots were explicit [s]
     _depths: Array  # of contacts at the last look, see `NativeItems.depths_of_contacts`
     _outrun = ""  # what is said of a given step that became too long
     _unsolvable = ""  # what was said of joints that could not be solved for
@@ -110,15 +111,29 @@ class LimitedRun(PacedRun):
 
     @contextmanager
     def _without_implicit_forces(self, time: float) -> Iterator[None]:
-        """Damping and axial forces of cables, at present, and damping of contact do not bound the step."""
+        """Damping and axial forces of cables, and damping of contact and dashpots, do not bound the step."""
         damping = [run.implicit_damping_left_out() for run in self._runs]
-        with together([self.mover.contact_damping_left_out(), *damping]):
+        with together([self.mover.implicit_damping_left_out(), *damping]):
             if any(run.scene_cable.cable.stretches for run in self._runs):
                 memory = np.zeros((2, len(self.state.q)))
                 system, external = self._system_at(time)
                 accelerate_and_project(system, external, self.state.q, self.state.v, 0.0, *memory)
             with together([run.axial_forces_frozen for run in self._runs]):
                 yield
+
+    @property
+    def damps_implicitly(self) -> bool:
+        """Whether dashpots of springs are implicit."""
+        return self.mover.damps_implicitly
+
+    def damp_implicitly(self, limit: float) -> bool:
+        """Let dashpots of springs bound the step no longer; whether there are any that can be implicit.
+
+        limit: of the step while they are explicit [s].
+        """
+        self.__dict__.pop("_rates", None)
+        self.explicit_limit = limit
+        return self.mover.damp_implicitly()
 
     def forget_rates(self, time: float) -> None:
         """Find them again, for the configuration at `time` [s]; the run must then begin again."""

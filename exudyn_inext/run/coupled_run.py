@@ -145,6 +145,12 @@ class CoupledRun(LimitedRun):
         return isinstance(self.mover, MovedByKernels)
 
     def _leave_kernels(self, why: str) -> None:
+        if self.damps_implicitly:
+            raise SceneError(
+                f"{self.name}: Exudyn takes over because of {why}, and dashpots of springs, which are "
+                f"implicit among compiled items at steps of {self.control.present:.3g} s, would be explicit "
+                f"(limit {self.explicit_limit:.3g} s): set stepSize below that, or let these damp less."
+            )
         method = self.integrator, self.scheme
         self._scene.read_masses_again()
         self._move_by(MovedByExudyn(self._scene, self._runs, self.state, method))

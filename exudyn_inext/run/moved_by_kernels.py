@@ -45,7 +45,7 @@ class MovedByKernels(Mover):
         if form.loads.of_state:
             self.asks = form.loads.of_state.name
         self.given, self.data = form.given, form.contacts.data
-        if self._may_damp_contact:
+        if self._may_damp:
             self.dofs_in_implicit_contact = form.dofs_in_implicit_contact
         self._foreseen = state.q.copy(), state.v.copy()  # at the end of a step
         self._beginnings: dict[Callable[..., None], Prepared] = {}
@@ -101,20 +101,30 @@ class MovedByKernels(Mover):
         self._form.provide(self._integrator.calls)
 
     @property
-    def _may_damp_contact(self) -> bool:
-        """Whether there is contact, and the integrator hands on the accelerations that its damping needs."""
-        integrator = self._integrator
-        return self._form.has_contacts and integrator.has_implicit_damping and not integrator.stabilised
+    def _may_damp(self) -> bool:
+        """Whether the integrator hands on the accelerations that implicit damping needs."""
+        return self._integrator.has_implicit_damping and not self._integrator.stabilised
 
     def set_step(self, h: float) -> None:
         super().set_step(h)
-        if self._may_damp_contact:
+        if self._may_damp:
             self._form.set_step(h)
 
-    def contact_damping_left_out(self) -> AbstractContextManager[None]:
-        if self._may_damp_contact:
-            return self._form.explicit_contact(damping=0.0)
-        return super().contact_damping_left_out()
+    def implicit_damping_left_out(self) -> AbstractContextManager[None]:
+        if self._may_damp:
+            return self._form.explicit_damping(0.0)
+        return super().implicit_damping_left_out()
+
+    @property
+    def damps_implicitly(self) -> bool:
+        return self._form.damps_implicitly
+
+    def damp_implicitly(self) -> bool:
+        if not self._may_damp or self.damps_implicitly or not self._form.damp_implicitly():
+            return False
+        number = len(self._form.multipliers)
+        self._scene.system.drift_correction = self.system.items.joints.drift_correction[:number]
+        return True
 
     @property
     def follows_contacts(self) -> bool:
@@ -161,7 +171,7 @@ class MovedByKernels(Mover):
 
     def require_same_items(self, time: float) -> None:
         self._form.rest()
-        with self._form.explicit_contact():
+        with self._form.explicit_damping():
             self._scene.require_agreement(self._form, time, self._state.q, self._state.v)
 
     def leave_mbs(self, who: str) -> None:

@@ -136,9 +136,15 @@ class Mover:
         """Where what slides is looked for, and how offsets are set, by names; of compiled joints."""
         return {}
 
-    def contact_damping_left_out(self) -> AbstractContextManager[None]:
-        """Contact of cables without what is implicit in it."""
+    def implicit_damping_left_out(self) -> AbstractContextManager[None]:
+        """Contact of cables, and dashpots of springs, without what is implicit in them."""
         return nullcontext()
+
+    damps_implicitly = False  # whether dashpots of springs are implicit
+
+    def damp_implicitly(self) -> bool:
+        """Let dashpots of springs be implicit from now on; whether there are any that can be."""
+        return False
 
     def mass_as_it_is(self) -> AbstractContextManager[None]:
         """Nothing of the cables' bending is in the matrix on the left."""

@@ -25,9 +25,10 @@ STIFF = 0.5  # share of the step of short waves, up to which tension decides, an
 OF_STATES = 0.2  # step times the frequency of first order states, as of oil under pressure
 PHASE = 0.003  # error of the motion at the end of a run [rad]
 MOST_DURATION = 100.0  # of a run, for that [s]
+SLOWED = 1.5  # times that dashpots may shorten the step and be explicit
 MUCH = 10.0  # times that damping may shorten the step without a word
 MANY = 100.0  # times as many outputs as steps, or steps as the user asked for, without a word
-LONG, LONG_COMPILED = 1e5, 5e6  # steps of a run, of which Exudyn evaluates each one, without a word
+LONG, LONG_COMPILED = 1e5, 5e6  # steps of a run without a word: each one evaluated by Exudyn, or compiled
 UNFORESEEN = 4.0  # times the step that resolves axial vibrations, where nobody knows what excites them
 MOST_TRIALS, NEARLY = 6, 0.98  # of a step that the bounds for its own scaled mass allow
 
@@ -111,6 +112,7 @@ def choose_step(
     taken: float = 0.0,
     scaled: Callable[[], StepSizeBounds] | None = None,
     is_told: bool = True,
+    damps_implicitly: bool | None = None,
 ) -> StepChoice:
     """The step of the runs of a scene.
 
@@ -118,6 +120,7 @@ def choose_step(
         runs: not yet started.   start: time [s].   duration: of the run [s].   explicit: settings.
         taken: step that will be taken, where the bounds depend on it (mass scaling) [s]; 0: the given one.
         scaled: see `step_above_limit`.   is_told: whether a given step that is too large is told of.
+        damps_implicitly: whether dashpots of springs are implicit; None: if the step asks for it.
 
     Raises:
         StepSizeError: the given step is above the stability limit.
@@ -125,13 +128,34 @@ def choose_step(
     is_automatic = explicit.stepSize is None and not explicit.massScaling
     if is_automatic and any(run.has_states for run in runs if isinstance(run, CoupledRun)):
         explicit = replace(explicit, adaptiveStep=True)
-    bounds, explicit = _bounds_and_scaling(runs, start, duration, explicit)
+    given = runs, start, duration, explicit
+    bounds, explicit = _bounds_and_scaling(*given)
+    is_slowed = _is_slowed(bounds, explicit, taken) if damps_implicitly is None else damps_implicitly
+    if is_slowed and damp_implicitly(runs, bounds.bending):
+        bounds, explicit = _bounds_and_scaling(*given)
     follow_frequencies(runs, bounds, explicit)
     if explicit.stepSize is None:
         return StepChoice(bounds, explicit, *largest_step(bounds, explicit.stepSafety))
     if is_told:
         require_stable(bounds, explicit, taken, scaled)
     return StepChoice(bounds, explicit, explicit.stepSize, "stepSize")
+
+
+def _is_slowed(bounds: StepSizeBounds, explicit: ExplicitSettings, taken: float) -> bool:
+    """Whether damping alone makes the step much shorter, or a given one too long; `taken`: see above."""
+    if not bounds.undamped > SLOWED * bounds.bending:
+        return False
+    if explicit.stepSize is None or explicit.adaptiveStep:
+        return largest_step(bounds, explicit.stepSafety)[1] == "bending"
+    return (taken or explicit.stepSize) > bounds.bending
+
+
+def damp_implicitly(runs: Sequence[Run], limit: float) -> bool:
+    """Let dashpots of springs be implicit; whether any are now.
+
+    limit: of the step while they are explicit [s], for messages.
+    """
+    return any([run.damp_implicitly(limit) for run in runs if isinstance(run, CoupledRun)])
 
 
 def shorten_for_stretch(runs: Sequence[Run], choice: StepChoice) -> StepChoice:
@@ -325,14 +349,18 @@ def warn_of_damping(choice: StepChoice, duration: float) -> None:
     """Before a run of that duration [s]: what explicit damping does to its step, if that is much."""
     bounds = choice.bounds
     bounds_step = choice.decided_by == "bending" and bounds.bending < duration
-    if bounds_step and bounds.undamped > MUCH * bounds.bending:
+    if bounds_step and _is_lowered_by_damping(bounds):
         warnings.warn(
             f"damping of {bounds.damping:.3g} 1/s at {bounds.cable} bounds the step to {bounds.bending:.3g} "
-            f"s, where {bounds.undamped:.3g} s hold without it: dashpots of springs and joints, drag, also "
-            "by functions of loads, and under RK4 bending damping are explicit; let these damp less, or for "
-            "bending damping take integrator='RATTLE'.",
+            f"s, where {bounds.undamped:.3g} s hold without it: dashpots that Exudyn evaluates, or whose "
+            "axes are coupled, drag, also by functions of loads, and under RK4 all dashpots and bending "
+            "damping are explicit; let these damp less, or take integrator='RATTLE'.",
             stacklevel=3,
         )
+
+
+def _is_lowered_by_damping(bounds: StepSizeBounds) -> bool:
+    return bounds.undamped > MUCH * bounds.bending
 
 
 def warn_of_outputs(choice: StepChoice, duration: float, outputs: int, asked: int) -> None:
@@ -355,6 +383,8 @@ def warn_of_many_steps(runs: Sequence[Run], choice: StepChoice, duration: float,
     """
     is_own_choice = choice.explicit.stepSize is None and choice.decided_by == "bending"
     if not (is_own_choice and 0.0 < choice.h < duration / max(MANY * asked, LONG)):
+        return
+    if _is_lowered_by_damping(choice.bounds):  # see `warn_of_damping`
         return
     steps = duration / choice.h
     for run in runs:

@@ -400,11 +400,20 @@ def test_a_damped_cantilever_moves_as_a_native_one(swing, ratio, known_answer):
 
 
 def test_damping_that_shortens_the_step_is_said_before_the_run(new_mbs, add_pendulum, solve):
-    """A mass point on a dashpot without mercy: 2 m / d bounds explicit steps."""
+    """A mass point on a dashpot without mercy that Exudyn evaluates: 2 m / d bounds explicit steps."""
     mbs = new_mbs()
     add_pendulum(mbs)
     point = mbs.CreateMassPoint(mass=1.0, referencePosition=[3, 0, 0])
-    mbs.CreateSpringDamper(itemNumbers=[mbs.CreateGround(), point], stiffness=100.0, damping=2e4)
+
+    def force(mbs, t, number, stretch, rate, stiffness, damping, offset):
+        return stiffness * stretch + damping * rate
+
+    mbs.CreateSpringDamper(
+        bodyNumbers=[mbs.CreateGround(), point],
+        stiffness=100.0,
+        damping=2e4,
+        springForceUserFunction=force,
+    )
     mbs.Assemble()
     with pytest.warns(UserWarning, match=r"damping of .*e\+04 1/s .* bounds the step .* without it"):
         report = solve(mbs, 0.001)

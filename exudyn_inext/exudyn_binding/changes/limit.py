@@ -15,7 +15,13 @@ from ...items.parameters import Parameter
 from ...run.cable_run import CableRun
 from ...run.coupled_run import CoupledRun, Run
 from ...run.settings import ExplicitSettings
-from ...run.step_choice import StepSizeBounds, follow_frequencies, step_above_limit, step_bounds
+from ...run.step_choice import (
+    StepSizeBounds,
+    damp_implicitly,
+    follow_frequencies,
+    step_above_limit,
+    step_bounds,
+)
 
 GROWTH = 1.1  # of a stiffness or damping since the limit was looked at, that calls for another look
 FALL = 0.5  # of a stiffness or damping since then, that calls for one after a while
@@ -108,6 +114,9 @@ class StepLimit:
             StepSizeError: the change has brought the limit below the step.
         """
         self._seen |= self.grown(mbs, changed)
+        for run in before:
+            if isinstance(run, CoupledRun) and run.damps_implicitly:
+                damp_implicitly(runs, run.explicit_limit)
         bounds = step_bounds(runs, time, self.explicit)
         follow_frequencies(runs, bounds, self.explicit)
         _pass_on_steps(before, runs)
