@@ -140,7 +140,10 @@ class Mover:
         """Contact of cables, and dashpots of springs, without what is implicit in them."""
         return nullcontext()
 
-    damps_implicitly = False  # whether dashpots of springs are implicit
+    @property
+    def damps_implicitly(self) -> bool:
+        """Whether dashpots of springs are implicit."""
+        return False
 
     def damp_implicitly(self) -> bool:
         """Let dashpots of springs be implicit from now on; whether there are any that can be."""
