@@ -409,7 +409,7 @@ def test_damping_that_shortens_the_step_is_said_before_the_run(new_mbs, add_pend
         return stiffness * stretch + damping * rate
 
     mbs.CreateSpringDamper(
-        bodyNumbers=[mbs.CreateGround(), point],
+        itemNumbers=[mbs.CreateGround(), point],
         stiffness=100.0,
         damping=2e4,
         springForceUserFunction=force,
