@@ -6,6 +6,7 @@ has one thread in each process: those of several processes would spin while they
 Known answers and faults are recorded as properties of their tests, for the table of `tests.verification`.
 """
 
+import gc
 import os
 import random
 import time
@@ -32,6 +33,12 @@ def pytest_collection_modifyitems(items):
     others = [item for item in items if dimension_of(item) is None]
     place = max(0, len(items) // 2 - len(in_plane))
     items[:] = [*in_plane, *others[:place], *reversed(in_space), *others[place:]]
+
+
+def pytest_collection_finish():
+    """What is imported and collected stays; garbage is not looked for among it again and again."""
+    gc.collect()
+    gc.freeze()
 
 
 def dimension_of(item):

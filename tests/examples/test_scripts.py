@@ -36,15 +36,15 @@ def test_a_script_runs_as_printed_and_draws(name, tmp_path, monkeypatch, capsys)
 
 
 def test_a_script_runs_from_another_folder(tmp_path):
-    script = Path(examples.__file__).parent / "crane.py"
+    script = Path(examples.__file__).parent / "planar_pendulum.py"
     environment = os.environ | {"PYTHONPATH": str(Path(exudyn_inext.__file__).parents[1])}
     done = subprocess.run(
         [sys.executable, "-W", "error", script],
         cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    assert f"picture: {tmp_path.resolve() / 'results' / 'examples' / 'crane.png'}" in done.stdout
-    assert (tmp_path / "results" / "examples" / "crane.png").exists()
+    assert f"picture: {tmp_path.resolve() / 'results' / 'examples' / 'planar_pendulum.png'}" in done.stdout
+    assert (tmp_path / "results" / "examples" / "planar_pendulum.png").exists()
 
 
 def test_a_missing_library_is_named_with_what_installs_it(tmp_path):

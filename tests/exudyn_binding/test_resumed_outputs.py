@@ -1,10 +1,9 @@
 """Files of a run that was killed and continued: those of the whole run, bit for bit."""
 
+import multiprocessing
 import os
 import shutil
 import signal
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,14 +13,6 @@ from exudyn_inext import InputError
 from exudyn_inext.run.output_files import cut_rows_after
 from tests.exudyn_binding.written_run import FILES, run
 
-ROOT = Path(__file__).parents[2]
-
-KILLED = """
-import sys
-sys.path.insert(0, {root!r})
-from tests.exudyn_binding.written_run import run
-run({folder!r}, {kind!r}, die_at={time}, **{changes})
-"""
 SWAPPED = {"sensors.writePeriod": 0.02, "file.writePeriod": 0.005}  # the files have each other's period
 
 
@@ -67,10 +58,13 @@ def killed_early(tmp_path_factory):
 
 
 def killed(folder, kind, time, **changes):
-    """Run until `time` [s] in a process that is killed there."""
-    script = KILLED.format(root=str(ROOT), folder=str(folder), kind=kind, time=time, changes=changes)
-    process = subprocess.run([sys.executable, "-c", script], capture_output=True, timeout=300, cwd=folder)
-    assert process.returncode == -signal.SIGKILL, process.stderr
+    """Run until `time` [s] in a process that is killed there; one that has imported all is its parent."""
+    processes = multiprocessing.get_context("forkserver")
+    processes.set_forkserver_preload([run.__module__])
+    process = processes.Process(target=run, args=(folder, kind), kwargs={"die_at": time, **changes})
+    process.start()
+    process.join(300)
+    assert process.exitcode == -signal.SIGKILL
 
 
 @pytest.mark.parametrize(

@@ -73,7 +73,9 @@ OFF_UNITY = {"RATTLE": 3e-9, "RK4": 5e-8, "Zhai": 3e-6}  # where quaternions are
 pytestmark = pytest.mark.filterwarnings(
     "ignore:.*velocit", "ignore:.*rotationMarker.*deprecated", "ignore:.*the energy has grown"
 )
-every_integrator = pytest.mark.parametrize("integrator", list(OFF_UNITY))
+every_integrator = pytest.mark.parametrize(
+    ("integrator", "dimension"), [("RATTLE", 2), ("RATTLE", 3), ("RK4", 3), ("Zhai", 2)]
+)
 
 
 class Builder:
@@ -741,7 +743,6 @@ def test_contacts_that_close_stick_and_slide_are_what_exudyn_says(integrator, mo
 
 
 @every_integrator
-@pytest.mark.parametrize("dimension", [2, 3])
 def test_what_is_driven_moves_as_exudyn_says(integrator, dimension):
     """Exudyn's side finds rates of offsets by differences."""
     require_the_same([driven, spring], 5, dimension, integrator, max(1e-7, OFF_UNITY[integrator]))
@@ -755,7 +756,6 @@ def test_joints_that_are_turned_move_as_exudyn_says(dimension, seed):
 
 
 @every_integrator
-@pytest.mark.parametrize("dimension", [2, 3])
 def test_discs_that_roll_move_as_exudyn_says(integrator, dimension):
     """But for quaternions that are not quite of unit norm: the difference is of second order in the step."""
     require_the_same([rolling_discs], 13, dimension, integrator, 2.0 * OFF_UNITY[integrator])
@@ -888,14 +888,12 @@ def filtered(b):
 
 
 @every_integrator
-@pytest.mark.parametrize("dimension", [2, 3])
 def test_bodies_and_joints_are_compiled_beside_states_of_first_order(integrator, dimension, monkeypatch):
     kinds = [filtered, spring, generic_joint, drums]
     with_compiled_parts(kinds, 5, dimension, integrator, monkeypatch, OF_JOINTS)
 
 
 @every_integrator
-@pytest.mark.parametrize("dimension", [2, 3])
 def test_under_all_kinds_of_forces_bodies_and_joints_may_be_compiled(integrator, dimension, monkeypatch):
     kinds = [*WITHOUT_JOINTS, distances]
     with_compiled_parts(kinds, 8, dimension, integrator, monkeypatch, OFF_UNITY[integrator])
@@ -939,7 +937,6 @@ JOINTS = KINDS[KINDS.index(spherical_joint) :]
 
 
 @every_integrator
-@pytest.mark.parametrize("dimension", [2, 3])
 def test_many_kinds_together_move_as_exudyn_says(integrator, dimension):
     kinds = [*WITHOUT_JOINTS, distances]
     require_the_same(kinds, 8, dimension, integrator, OFF_UNITY[integrator])
