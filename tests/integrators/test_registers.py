@@ -14,8 +14,6 @@ from exudyn_inext.integrators.integrator import no_loads
 from exudyn_inext.integrators.rattle import INTEGRATOR, Rattle, advance_rattle
 from tests.cables import DIMENSIONS, MEASURES, planar_pendulum
 
-LARGEST = DIMENSIONS[-1], MEASURES[-1]  # of the matrices of a step
-
 
 @cache
 def machine_independent_code(dim: int, measure: CurvatureMeasure) -> str:
@@ -31,11 +29,12 @@ def machine_independent_code(dim: int, measure: CurvatureMeasure) -> str:
 
 
 @pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
-def test_small_matrices_of_a_step_stay_in_registers():
-    code = machine_independent_code(*LARGEST)
+@pytest.mark.parametrize(("dim", "measure"), list(zip(DIMENSIONS, MEASURES, strict=True)))
+def test_small_matrices_of_a_step_stay_in_registers(dim, measure):
+    code = machine_independent_code(dim, measure)
     assert re.findall(r"%local_array\S* = alloca.*", code) == []
 
 
 @pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
 def test_references_to_arrays_are_not_counted():
-    assert "NRT_incref" not in machine_independent_code(*LARGEST)
+    assert "NRT_incref" not in machine_independent_code(DIMENSIONS[0], MEASURES[0])
