@@ -430,7 +430,7 @@ class CompiledScene:
         copies.contacts.records["lag"] = 0.0
         copies.joints.drift_correction[:] = 0.0
         copies.bodies["drift_correction"] = 0.0
-        forces = {"connectors": items.connectors, "loads": items.loads}  # may change
+        forces = {"connectors": items.connectors, "loads": items.loads, "given": items.given}  # may change
         return self.system._replace(cables=own, items=copies._replace(**forces))
 
     def _joined_forces(self, system: SceneSystem) -> Array:

@@ -8,6 +8,7 @@ import numpy as np
 from ..arrays import Array, Places
 from ..compiled import plain
 from ..integrators.integrator import Integrator, LoadHistory, advance
+from ..integrators.rattle import Rattle
 from .cable_run import CableRun
 from .compiled_scene import ChangedItem
 from .consistent_start import StartCorrection
@@ -38,6 +39,9 @@ class MovedByExudyn(Mover):
         super().__init__(scene, runs, state, method)
         self.evaluated, self.elsewhere, self.given = scene, scene.remembered, scene.native_items.given
         self._output = np.zeros((1, 3, scene.size))
+        number = len(state.external)
+        self._loads = LoadHistory(np.zeros(number), np.eye(1, number), np.zeros((1, 1, 1)))
+        self._advance = plain(advance.dispatch(type(self._scheme)))
 
     @property
     def system(self) -> Any:
@@ -144,18 +148,15 @@ class MovedByExudyn(Mover):
 
         times: (steps, stages) of their evaluations [s].   history: see `PacedRun.take`.
         """
-        take_step = plain(advance.dispatch(type(self._scheme)))
-        system, state = self._scene.system, self._state
-        nothing, the_time = np.zeros(len(state.external)), np.eye(1, len(state.external))
+        state, take_step = self._state, self._in_one if self._is_in_one else self._by_scheme
         native_items, last = self._scene.native_items, done + len(times)
         native_items.path, native_items.settles = watch.path_of_evaluations, watch.has_one_evaluation
         try:
-            for number, factors in enumerate(times[:, np.newaxis, :, np.newaxis], done + 1):
+            for number, stages in enumerate(times.tolist(), done + 1):
                 if number == last:
                     watch.look(state)
-                loads = LoadHistory(nothing, the_time, factors)
-                take_step(self._scheme, system, loads, state, piece.h, 1, self._output)
-                native_items.finish_step(piece.time(number), state.q, state.v)
+                take_step(stages, piece.h)
+                native_items.finish_step(stages[-1], state.q, state.v)
                 if number % piece.in_interval == 0:
                     interval = number // piece.in_interval - 1
                     row = history[interval]
@@ -167,6 +168,23 @@ class MovedByExudyn(Mover):
                     call()
         finally:
             native_items.path, native_items.settles = None, False
+
+    @property
+    def _is_in_one(self) -> bool:
+        """Whether compiled code takes steps of RATTLE, but for one call of Exudyn in each of them."""
+        is_whole = self._scene.parts_in_one and isinstance(self._scheme, Rattle)
+        return is_whole and not self._scene.mbs.systemData.ODE1Size()
+
+    def _in_one(self, stages: Sequence[float], h: float) -> None:
+        parts, state, end = self._scene.parts_in_one, self._state, stages[-1]
+        parts.shake(end, state, h, self._scheme)
+        forces = self._scene.native_items.act(end, state.q, state.v_half + 0.5 * h * state.a)
+        parts.accelerate(end, forces, state.q, state.v_half, 0.5 * h, state.a, state.v)
+
+    def _by_scheme(self, stages: Sequence[float], h: float) -> None:
+        """A step of h [s], evaluated at the times `stages` [s]."""
+        loads = self._loads._replace(factor=np.reshape(stages, (1, -1, 1)))
+        self._advance(self._scheme, self._scene.system, loads, self._state, h, 1, self._output)
 
     def complete(self, times: Array, rows: Places, steps: Array, history: Array, multipliers: Array) -> bool:
         """See `CableRun.complete`."""
