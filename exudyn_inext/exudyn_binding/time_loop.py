@@ -241,9 +241,9 @@ class ExplicitTimeLoop:
             self._states = iter(next(self._blocks))
             state = next(self._states)
             self._is_ahead = self._asks_ahead
+            if self._is_ahead:  # they have been asked in later states
+                self._data.SetTime(self.time)
         self._calm += 1
-        if self._is_ahead:  # they have been asked in later states
-            self._data.SetTime(self.time)
         if not (self._is_ahead and length_hint(self._states)):  # mbs is looked at before the next step
             first, states = self._ahead
             self._written = [*states[self._taken - first - 1, :2], self._data.GetODE1Coordinates()]

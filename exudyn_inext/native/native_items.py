@@ -66,7 +66,7 @@ class NativeItems:
         self._data = mbs.systemData
         self._solver = solver
         self._settings = exudyn.SimulationSettings()
-        self._coordinates = coordinates
+        self._coordinates, self._number = coordinates, len(coordinates.indices)
         self._loads = loads
         self._cables = list(coordinates.slices[: len(loads)])
         self._dofs = [part.dofs for part in wholes]
@@ -79,7 +79,7 @@ class NativeItems:
         self._sizes = self._data.ODE2Size(), self._data.ODE1Size()
         self._bodies = coordinates.slices[len(loads)]
         self.remembers = bool(self._data.DataSize() or mbs.NumberOfGeneralContacts())
-        self.native_forces = np.zeros(len(coordinates.indices))
+        self.native_forces = np.zeros(self._number)
         self.given = np.zeros(self._dofs[-1].stop)
         self._has_histories = any(of_cable.has_histories for of_cable in loads)
         self.varying_forces = self.native_forces.copy() if self._has_histories else self.native_forces
@@ -121,7 +121,7 @@ class NativeItems:
         if first:
             self._solver.ComputeODE1RHS(self._mbs)
         residual = self._solver.GetSystemResidual()
-        if len(self._forces_on_held):
+        if self._held.rows.size:
             self._forces_on_held[:] = residual[self._masses.held]
         forces = self.native_forces
         self._counted = None if self._is_first and not self.settles else self.path
@@ -355,15 +355,14 @@ class NativeItems:
         self._time, self._values = t, None
         self._positions[:] = q
         self._data.SetTime(t)
-        self._data.SetODE2Coordinates(self._coordinates.displacements(q[: len(self._coordinates.indices)]))
+        self._data.SetODE2Coordinates(self._coordinates.displacements(q[: self._number]))
 
     def set_state(self, t: float, q: Array, v: Array) -> None:
         """Bring mbs to the state (q, v) at t [s]."""
         self._set_positions(t, q)
-        number = len(self._coordinates.indices)
-        self._data.SetODE2Coordinates_t(self._coordinates.rates(v[:number]))
+        self._data.SetODE2Coordinates_t(self._coordinates.rates(v[: self._number]))
         if self._sizes[1]:
-            self._data.SetODE1Coordinates(v[number:])
+            self._data.SetODE1Coordinates(v[self._number :])
 
 
 def _those_within(dofs: slice, cables: Sequence[slice]) -> slice:

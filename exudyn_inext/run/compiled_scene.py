@@ -363,8 +363,7 @@ class CompiledScene:
     @property
     def has_dependent_joints(self) -> bool:
         """Whether a joint depends on others, as seen at the last evaluation."""
-        joints = self.system.items.joints
-        return len(joints.rows) > 0 and bool(joints.dependent[0] >= 0)
+        return bool(self.system.items.joints.dependent[0] >= 0)
 
     def evaluate(
         self,

@@ -1,6 +1,6 @@
 """A coupled scene that Python moves, with forces, and what has no compiled form, from Exudyn."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -148,7 +148,7 @@ class MovedByExudyn(Mover):
 
         times: (steps, stages) of their evaluations [s].   history: see `PacedRun.take`.
         """
-        state, take_step = self._state, self._in_one if self._is_in_one else self._by_scheme
+        state, take_step = self._state, self._step
         native_items, last = self._scene.native_items, done + len(times)
         native_items.path, native_items.settles = watch.path_of_evaluations, watch.has_one_evaluation
         try:
@@ -170,19 +170,14 @@ class MovedByExudyn(Mover):
             native_items.path, native_items.settles = None, False
 
     @property
-    def _is_in_one(self) -> bool:
-        """Whether compiled code takes steps of RATTLE, but for one call of Exudyn in each of them."""
-        is_whole = self._scene.parts_in_one and isinstance(self._scheme, Rattle)
-        return is_whole and not self._scene.mbs.systemData.ODE1Size()
-
-    def _in_one(self, stages: Sequence[float], h: float) -> None:
-        parts, state, end = self._scene.parts_in_one, self._state, stages[-1]
-        parts.shake(end, state, h, self._scheme)
-        forces = self._scene.native_items.act(end, state.q, state.v_half + 0.5 * h * state.a)
-        parts.accelerate(end, forces, state.q, state.v_half, 0.5 * h, state.a, state.v)
+    def _step(self) -> Callable[[Sequence[float], float], None]:
+        """Takes a step of h [s], evaluated at the times `stages` [s]."""
+        parts, native_items = self._scene.parts_in_one, self._scene.native_items
+        if not parts or not isinstance(self._scheme, Rattle) or self._scene.mbs.systemData.ODE1Size():
+            return self._by_scheme
+        return lambda stages, h: parts.take_step(native_items, stages[0], h, self._scheme, self._state)
 
     def _by_scheme(self, stages: Sequence[float], h: float) -> None:
-        """A step of h [s], evaluated at the times `stages` [s]."""
         loads = self._loads._replace(factor=np.reshape(stages, (1, -1, 1)))
         self._advance(self._scheme, self._scene.system, loads, self._state, h, 1, self._output)
 

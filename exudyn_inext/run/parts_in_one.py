@@ -10,7 +10,7 @@ from ..arrays import Array
 from ..cable.cable import Cable
 from ..called_system import Bound, called, kernel_behind
 from ..compiled import Prepared
-from ..integrators.rattle import shake_called
+from ..integrators.rattle import Rattle, shake_called
 from ..multibody.scene import bodies_energy, subtract_inertia_forces, subtract_joint_forces
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .compiled_scene import CompiledScene
@@ -63,6 +63,14 @@ class CompiledParts:
     def rates(self, t: float, forces: Array, *arrays: Array) -> None:
         """See `index_reduced_rates`.   forces: (n,) see `NativeItems.act`."""
         self._rates(self._external(t, forces), *arrays)
+        self.form.require_independence()
+
+    def take_step(self, native_items: Any, t: float, h: float, scheme: Rattle, state: Any) -> None:
+        """A step of h [s] to t [s], see `advance_rattle`, with forces of Exudyn at its end."""
+        external = self.form.loads.at(t)
+        self._shake(external, state, h, scheme)
+        self._items.given[:] = native_items.act(t, state.q, state.v_half + 0.5 * h * state.a)
+        self._accelerate(external, state.q, state.v_half, 0.5 * h, state.a, state.v)
         self.form.require_independence()
 
     def accelerate(self, t: float, forces: Array, *arguments: Any) -> None:
