@@ -96,7 +96,7 @@ class CompiledParts:
     ) -> tuple[Array, Array, Array]:
         """Accelerations (n,), multipliers (m,) of the joints, and what items and joints do (n,).
 
-        By the mass as it is, in a state at `time` [s], after a step [s]; the system of the steps stays as it is.
+        By the mass as it is, in a state at `time` [s], after a step [s]; the steps are not touched.
         """
         self._items.given[:] = native_items.act(time, state.q, state.v)
         history = np.array([[state.q, state.v, state.a]])

@@ -927,7 +927,8 @@ def test_accelerations_of_bodies_under_forces_of_exudyn_keep_euler_parameters_at
     assert "bodies and joints are compiled" in report["path"]
     kinds = exudyn.OutputVariableType
     outputs = kinds.CoordinatesTotal, kinds.Coordinates_t, kinds.Coordinates_tt
-    turning = [node for node in range(mbs.systemData.NumberOfNodes()) if "EP" in mbs.GetNode(node)["nodeType"]]
+    numbers = range(mbs.systemData.NumberOfNodes())
+    turning = [node for node in numbers if "EP" in mbs.GetNode(node)["nodeType"]]
     found = [[mbs.GetNodeOutput(node, kind)[3:] for kind in outputs] for node in turning]
     speeds = [v @ v for _, v, _ in found]
     assert max(speeds) > 0.1
