@@ -1,5 +1,6 @@
 """Sensors of an mbs: what of the state they look at during a run, and which of them show nothing."""
 
+import math
 import warnings
 from collections.abc import Callable, Collection, Sequence
 from functools import cached_property
@@ -91,15 +92,14 @@ class OutputTimes:
         """Whether functions of items may look at accelerations and forces, or change something."""
         return self._look_of_items() in self._at_all
 
-    def include(self, time: float, step: float, asks_items: bool) -> bool:
-        """Whether a step of the loop, of that length, may be one that ends at `time` [s].
+    def due(self, asks_items: bool) -> float:
+        """When that is again [s]: in the step that ends next to it.
 
         asks_items: whether functions of items are called in steps, which may look, too.
         """
         if self._look in self._at_all or (asks_items and self.items_look_at_forces):
-            return True
-        output = self._solver.output
-        return any(time > getattr(output, name) - 0.5 * step for name in self._written)
+            return -math.inf
+        return min((getattr(self._solver.output, name) for name in self._written), default=math.inf)
 
     def among(self, times: Array) -> Array:
         """(k,) whether files are written, or may be, after the next steps, which end at these times [s].

@@ -89,6 +89,7 @@ class ExplicitTimeLoop:
         self._blocks: Iterator[Iterable[Any]] = iter(())
         self._states: Iterator[Any] = iter(())  # of a block, where functions may make it void
         self._kept: list[KeptState] = []  # of the runs, before the block
+        self._is_ahead = False  # the block of whom nobody but items asks, and at nothing but the motion
         self._calm = 0  # steps since something was changed
         self._until_output = UNSEEN  # steps until somebody looks at accelerations and forces, where items ask
         self._is_changed = False  # before the step that is computed next
@@ -193,7 +194,7 @@ class ExplicitTimeLoop:
         plain = self._plain_user_function()
 
         def take_step(solver: Any, mbs: Any, settings: Any) -> bool:
-            if not (self._asks_ahead and length_hint(self._states)):
+            if not (self._is_ahead and length_hint(self._states)):
                 with self._remembering_errors:
                     self._take_over_changes()
                     self._follow_changes()
@@ -225,18 +226,13 @@ class ExplicitTimeLoop:
         steps = self._intervals(self._computed)
         if self.output_times is None or (steps > 1 and not self._asks_ahead):
             return True
-        for number in range(1, steps + 1):
-            if self._computed + number >= self.grid.loop_steps or self._is_written(number):
-                self._until_output = number
-                return True
-        return False
-
-    def _is_written(self, number: int) -> bool:
-        """Whether somebody looks at accelerations and forces after so many of the next steps."""
-        assert self.output_times is not None
         asks_items = not all(run.looks_ahead or run.is_steady for run in self.runs)
-        time, step = self.grid.time(self._computed + number), self.grid.substeps * self.grid.h
-        return self.output_times.include(time, step, asks_items)
+        time, step = self.grid.time(self._computed), self.grid.substeps * self.grid.h
+        nearest = (self.output_times.due(asks_items) - time) / step + 0.5
+        number = int(max(1.0, min(nearest, self.grid.loop_steps - self._computed)))
+        if number <= steps:
+            self._until_output = number
+        return number <= steps
 
     def _next_state(self) -> Any:
         """As `_blocks_of_states` gives it, and remembered as what mbs then holds."""
@@ -244,11 +240,13 @@ class ExplicitTimeLoop:
         if state is None:
             self._states = iter(next(self._blocks))
             state = next(self._states)
+            self._is_ahead = self._asks_ahead
+            if self._is_ahead:  # they have been asked in later states
+                self._data.SetTime(self.time)
         self._calm += 1
-        if self._asks_ahead:  # they have been asked in later states
-            self._data.SetTime(self.time)
-        first, states = self._ahead
-        self._written = [*states[self._taken - first - 1, :2], self._data.GetODE1Coordinates()]
+        if not (self._is_ahead and length_hint(self._states)):  # mbs is looked at before the next step
+            first, states = self._ahead
+            self._written = [*states[self._taken - first - 1, :2], self._data.GetODE1Coordinates()]
         return state
 
     @property

@@ -29,7 +29,7 @@ ALONG = 0.1  # that way at most, of the elements along which joints slide: they 
 def compiled_parts(scene: SceneOfExudyn, t: float, q: Array, v: Array) -> CompiledParts:
     """The cables, bodies and joints of a scene in compiled code; arguments: see `compiled_form`."""
     form = compiled_form(scene, t, q, v, has_forces=False)
-    return CompiledParts(form, [part.dofs for part in scene.system.parts[len(scene.cables) :]])
+    return CompiledParts(form, scene.size - len(scene.map.indices))
 
 
 def compiled_form(
@@ -108,7 +108,7 @@ def require_agreement(
             disturb(contacts, form.system.items.connectors, random)
         scene.remember(contacts.data)
         settle_general_contact(scene, t, at, rates)
-        given = scene.native_items.forces(t, at, rates)[scene.place_of_bodies]
+        given = scene.native_items.act(t, at, rates)[scene.map.slices[-1]]
         if not has_forces:
             form.given[: len(scene.map.indices)] = scene.native_items.native_forces
             subtract_inertia_forces(form.system.items.bodies, at, rates, form.given)

@@ -40,6 +40,8 @@ class CoupledScene(SceneOfExudyn):
     def _take_parts(self, parts: CompiledParts | None) -> None:
         self.parts_in_one = self.system.in_one = parts
         self.native_items.subtract_inertia = parts.subtract_inertia if parts else None
+        if parts:
+            self.system.multipliers = parts.multipliers
 
     def leave_compiled_parts(self) -> None:
         """Let Exudyn evaluate bodies and joints, too."""

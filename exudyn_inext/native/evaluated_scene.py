@@ -82,7 +82,7 @@ class SceneOfExudyn(EvaluatedScene):
     system: all of it.   map: places of the coordinates.   size: how many, with first order states.
     native_items: forces and joints.   joints: that couple the parts.   rows: of them.
     held: coordinates that belong to no part.   body_system: the equations of all bodies.
-    place_of_bodies: among what is evaluated at once.   bodies_of_variable_mass: how many there are.
+    bodies_of_variable_mass: how many there are.
     cable_systems: of the cables.   groups: of those that share records.
     parts_in_one: what evaluates bodies and joints, if it is compiled code.
     path: memory of the work of the forces at evaluations, see `build_path`.
@@ -134,7 +134,6 @@ class SceneOfExudyn(EvaluatedScene):
         parts = [*of_cables, *others]
         evaluated = [part.whole or part for part in of_cables]
         wholes = [*{id(whole): whole for whole in evaluated}.values(), *others]
-        self.place_of_bodies = len(wholes) - len(others)
         self.joints: Sequence[Any] = read_joints(mbs, own_constraints.union(self.held.numbers))
         self.tilted_angles = TiltedAngles(mbs, self.joints, self.map.place)
         self.rows = rows = JointRows(self.joints, quaternions, parts, self.map, masses.held)

@@ -46,6 +46,7 @@ class NativeItems:
     settles: bool = False
     subtract_inertia: Callable[[Array, Array, Array], None] | None = None
     _is_first: bool = True  # evaluation of a step
+    _counted: Array | None = None  # the path, if it counts the present evaluation
 
     def __init__(
         self,
@@ -65,7 +66,7 @@ class NativeItems:
         self._data = mbs.systemData
         self._solver = solver
         self._settings = exudyn.SimulationSettings()
-        self._coordinates = coordinates
+        self._coordinates, self._number = coordinates, len(coordinates.indices)
         self._loads = loads
         self._cables = list(coordinates.slices[: len(loads)])
         self._dofs = [part.dofs for part in wholes]
@@ -78,7 +79,7 @@ class NativeItems:
         self._sizes = self._data.ODE2Size(), self._data.ODE1Size()
         self._bodies = coordinates.slices[len(loads)]
         self.remembers = bool(self._data.DataSize() or mbs.NumberOfGeneralContacts())
-        self.native_forces = np.zeros(len(coordinates.indices))
+        self.native_forces = np.zeros(self._number)
         self.given = np.zeros(self._dofs[-1].stop)
         self._has_histories = any(of_cable.has_histories for of_cable in loads)
         self.varying_forces = self.native_forces.copy() if self._has_histories else self.native_forces
@@ -91,7 +92,24 @@ class NativeItems:
         self._time = np.nan
 
     def forces(self, t: float, q: Array, v: Array) -> Sequence[Array]:
-        """Gravity and motions of the cables, and all that Exudyn's items do to the parts, on each whole.
+        """Gravity and motions of the cables, and what `act` gives, on each whole."""
+        total = self.act(t, q, v)
+        if self._steady is not None:
+            result = [force.copy() for force in self._steady]
+        else:
+            given = [loads.at(t) for loads in self._loads]
+            if self._has_histories:
+                self._add_histories(q, given)
+            result = self._joined(given)
+        for force, dofs in zip(result, self._dofs, strict=False):
+            force[: dofs.stop - dofs.start] += total[dofs]
+        result.append(total[self._bodies])
+        if self._sizes[1]:
+            result.append(total[self._bodies.stop :])
+        return result
+
+    def act(self, t: float, q: Array, v: Array) -> Array:
+        """(n,) what Exudyn's items and others do to the parts, and rates of first order states.
 
         It sets masses that depend on q.
         """
@@ -103,32 +121,22 @@ class NativeItems:
         if first:
             self._solver.ComputeODE1RHS(self._mbs)
         residual = self._solver.GetSystemResidual()
-        if len(self._forces_on_held):
+        if self._held.rows.size:
             self._forces_on_held[:] = residual[self._masses.held]
         forces = self.native_forces
-        path = None if self._is_first and not self.settles else self.path
+        self._counted = None if self._is_first and not self.settles else self.path
         self._is_first = False
         gather(residual, self._coordinates.of_forces, forces)
         if self.subtract_inertia:
             self.subtract_inertia(q, v, forces)
         else:
             self._masses.update(q[self._bodies])
-        if path is not None and not self._has_histories:
-            follow(path, q, forces)
-        if self._steady is not None:
-            result = [force.copy() for force in self._steady]
-        else:
-            given = [loads.at(t) for loads in self._loads]
-            if self._has_histories:
-                self._add_histories(q, given, path)
-            result = self._joined(given)
-        total = forces + self.given[: len(forces)]
-        for force, dofs in zip(result, self._dofs, strict=False):
-            force[: dofs.stop - dofs.start] += total[dofs]
-        result.append(total[self._bodies])
+        if self._counted is not None and not self._has_histories:
+            follow(self._counted, q, forces)
         if first:
-            result.append(residual[second : second + first])
-        return result
+            forces = np.concatenate([forces, residual[second : second + first]])
+        total: Array = forces + self.given
+        return total
 
     def rates_of_states(self, t: float, q: Array, v: Array) -> Array:
         """y' (k,) of the first order states, which are the last ones of v."""
@@ -150,13 +158,13 @@ class NativeItems:
         """
         return [np.concatenate(given[which]) for which in self._of_wholes if which.stop > which.start]
 
-    def _add_histories(self, q: Array, given: Sequence[Array], path: Array | None) -> None:
+    def _add_histories(self, q: Array, given: Sequence[Array]) -> None:
         """Set the forces that vary, and count their work.   given: of each cable's own loads, at present."""
         self.varying_forces[:] = self.native_forces
         for force, loads, dofs in zip(given, self._loads, self._cables, strict=True):
             self.varying_forces[dofs] += (force - loads.constant)[: dofs.stop - dofs.start]
-        if path is not None:
-            follow(path, q, self.varying_forces)
+        if self._counted is not None:
+            follow(self._counted, q, self.varying_forces)
 
     def motions(self, t: float) -> Sequence[Array]:
         """Of the cables' own constraints; bodies and first order states have none."""
@@ -347,15 +355,14 @@ class NativeItems:
         self._time, self._values = t, None
         self._positions[:] = q
         self._data.SetTime(t)
-        self._data.SetODE2Coordinates(self._coordinates.displacements(q[: len(self._coordinates.indices)]))
+        self._data.SetODE2Coordinates(self._coordinates.displacements(q[: self._number]))
 
     def set_state(self, t: float, q: Array, v: Array) -> None:
         """Bring mbs to the state (q, v) at t [s]."""
         self._set_positions(t, q)
-        number = len(self._coordinates.indices)
-        self._data.SetODE2Coordinates_t(self._coordinates.rates(v[:number]))
+        self._data.SetODE2Coordinates_t(self._coordinates.rates(v[: self._number]))
         if self._sizes[1]:
-            self._data.SetODE1Coordinates(v[number:])
+            self._data.SetODE1Coordinates(v[self._number :])
 
 
 def _those_within(dofs: slice, cables: Sequence[slice]) -> slice:

@@ -62,7 +62,7 @@ class StaticScene:
 
     def force(self, q: Array) -> Array:
         """F (n,) of all items but the cables, and of these items on the cables, at rest."""
-        self._scene.native_items.forces(self._time, q, self._rest)
+        self._scene.native_items.act(self._time, q, self._rest)
         return self._scene.native_items.native_forces.copy()
 
     def is_blocked(self, q: Array, trial: Array) -> bool:

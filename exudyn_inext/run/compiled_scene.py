@@ -400,8 +400,7 @@ class CompiledScene:
     @property
     def has_dependent_joints(self) -> bool:
         """Whether a joint depends on others, as seen at the last evaluation."""
-        joints = self.system.items.joints
-        return len(joints.rows) > 0 and bool(joints.dependent[0] >= 0)
+        return bool(self.system.items.joints.dependent[0] >= 0)
 
     def evaluate(
         self,
@@ -468,7 +467,7 @@ class CompiledScene:
         copies.joints.drift_correction[:] = 0.0
         copies.joints.rows["lag"] = 0.0
         copies.bodies["drift_correction"] = 0.0
-        forces = {"connectors": items.connectors, "loads": items.loads}  # may change
+        forces = {"connectors": items.connectors, "loads": items.loads, "given": items.given}  # may change
         return self.system._replace(cables=own, items=copies._replace(**forces))
 
     def _joined_forces(self, system: SceneSystem) -> Array:

@@ -242,22 +242,30 @@ class CoupledRun(LimitedRun):
 
     def accelerations(self, time: float, multipliers: Array) -> Array:
         """See `CableRun.accelerations`; neither extrapolated nor stabilised, as those of the steps are."""
-        state, (a, rest) = self.state, np.zeros((2, self._scene.size))
-        arguments = self._scene.system, np.array([time]), state.q, state.v
-        native_items = self._scene.native_items
+        state, native_items, step = self.state, self._scene.native_items, self.control.present
         native_items.forget()
+        parts = self._scene.parts_in_one
+        solved = parts.solve(self.cables, native_items, time, step, state) if parts else self._solved(time)
+        a, of_joints, forces = solved
+        multipliers[:] = native_items.all_multipliers(of_joints, a)
+        rows = (row[np.newaxis] for row in (state.q, state.v, forces, multipliers))
+        self.mover.put_reactions(np.array([time]), np.array([step]), *rows)
+        native_items.show(time, state, multipliers)
+        return a[: len(self.indices)]
+
+    def _solved(self, time: float) -> tuple[Array, Array, Array]:
+        """See `CompiledParts.solve`."""
+        a, rest = np.zeros((2, self._scene.size))
+        arguments = self._scene.system, np.array([time]), self.state.q, self.state.v
         with self.mover.mass_as_it_is():
             if self.integrator.stabilised:
                 accelerate_and_project(*arguments, 0.0, a, rest)
             else:
                 index_reduced_rates(*arguments, a, rest)
-        multipliers[:] = native_items.all_multipliers(self._scene.system.multipliers, a)
-        rows = (row[np.newaxis] for row in (state.q, state.v, self._scene.joined_forces(), multipliers))
-        self.mover.put_reactions(np.array([time]), np.array([self.control.present]), *rows)
+        found = a, self._scene.system.multipliers, self._scene.joined_forces()
         if self.has_implicit_bending:
             self.mover.begin_by(self.integrator.resume, time)
-        native_items.show(time, state, multipliers)
-        return a[: len(self.indices)]
+        return found
 
     def joined_forces(self, cable: int, time: float) -> Array | None:
         """(n_dof,) of items and joints on the cable with that object, see `Mover.joined_forces`."""

@@ -1,6 +1,6 @@
 """A coupled scene that Python moves, with forces, and what has no compiled form, from Exudyn."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -8,6 +8,7 @@ import numpy as np
 from ..arrays import Array, Places
 from ..compiled import plain
 from ..integrators.integrator import Integrator, LoadHistory, advance
+from ..integrators.rattle import Rattle
 from .cable_run import CableRun
 from .compiled_scene import ChangedItem
 from .consistent_start import StartCorrection
@@ -38,6 +39,9 @@ class MovedByExudyn(Mover):
         super().__init__(scene, runs, state, method)
         self.evaluated, self.elsewhere, self.given = scene, scene.remembered, scene.native_items.given
         self._output = np.zeros((1, 3, scene.size))
+        number = len(state.external)
+        self._loads = LoadHistory(np.zeros(number), np.eye(1, number), np.zeros((1, 1, 1)))
+        self._advance = plain(advance.dispatch(type(self._scheme)))
 
     @property
     def system(self) -> Any:
@@ -144,18 +148,15 @@ class MovedByExudyn(Mover):
 
         times: (steps, stages) of their evaluations [s].   history: see `PacedRun.take`.
         """
-        take_step = plain(advance.dispatch(type(self._scheme)))
-        system, state = self._scene.system, self._state
-        nothing, the_time = np.zeros(len(state.external)), np.eye(1, len(state.external))
+        state, take_step = self._state, self._step
         native_items, last = self._scene.native_items, done + len(times)
         native_items.path, native_items.settles = watch.path_of_evaluations, watch.has_one_evaluation
         try:
-            for number, factors in enumerate(times[:, np.newaxis, :, np.newaxis], done + 1):
+            for number, stages in enumerate(times.tolist(), done + 1):
                 if number == last:
                     watch.look(state)
-                loads = LoadHistory(nothing, the_time, factors)
-                take_step(self._scheme, system, loads, state, piece.h, 1, self._output)
-                native_items.finish_step(piece.time(number), state.q, state.v)
+                take_step(stages, piece.h)
+                native_items.finish_step(stages[-1], state.q, state.v)
                 if number % piece.in_interval == 0:
                     interval = number // piece.in_interval - 1
                     row = history[interval]
@@ -167,6 +168,18 @@ class MovedByExudyn(Mover):
                     call()
         finally:
             native_items.path, native_items.settles = None, False
+
+    @property
+    def _step(self) -> Callable[[Sequence[float], float], None]:
+        """Takes a step of h [s], evaluated at the times `stages` [s]."""
+        parts, native_items = self._scene.parts_in_one, self._scene.native_items
+        if not parts or not isinstance(self._scheme, Rattle) or self._scene.mbs.systemData.ODE1Size():
+            return self._by_scheme
+        return lambda stages, h: parts.take_step(native_items, stages[0], h, self._scheme, self._state)
+
+    def _by_scheme(self, stages: Sequence[float], h: float) -> None:
+        loads = self._loads._replace(factor=np.reshape(stages, (1, -1, 1)))
+        self._advance(self._scheme, self._scene.system, loads, self._state, h, 1, self._output)
 
     def complete(self, times: Array, rows: Places, steps: Array, history: Array, multipliers: Array) -> bool:
         """See `CableRun.complete`."""

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
+from ..cable.cable import Cable
 from ..called_system import Bound, called, kernel_behind
 from ..compiled import Prepared
-from ..integrators.rattle import shake_called
+from ..integrators.rattle import Rattle, shake_called
 from ..multibody.scene import bodies_energy, subtract_inertia_forces, subtract_joint_forces
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .compiled_scene import CompiledScene
@@ -19,20 +20,17 @@ class CompiledParts:
     """The compiled form of cables, bodies and joints, without springs and loads.
 
     Args:
-        form: of them.   others: places of the bodies among the coordinates, and of first order states.
+        form: of them.   states: how many of first order there are, last among the records of bodies.
 
-    multipliers: (m,) of the joints at the last evaluation.
+    multipliers: (m,) of the joints at the last evaluation.   subtract_inertia: see `NativeItems`.
     """
 
-    def __init__(self, form: CompiledScene, others: Sequence[slice]) -> None:
+    def __init__(self, form: CompiledScene, states: int) -> None:
         self.form = form
         self._items = form.system.items
-        self._others = others
-        states = others[-1].stop - others[0].stop  # of first order, last among the records
         self._bodies = self._items.bodies[: len(self._items.bodies) - states]
-        self._cables = len(form.system.cable_force)
         self.multipliers = form.multipliers
-        self._subtract_inertia = Prepared(subtract_inertia_forces)
+        self.subtract_inertia = partial(Prepared(subtract_inertia_forces), self._bodies)
         form.given[:] = 0.0
 
     def _bound(self, protocol: Any) -> Bound:
@@ -62,16 +60,20 @@ class CompiledParts:
         result: Array = -self._items.joints.rows["drift"]
         return result
 
-    def subtract_inertia(self, q: Array, v: Array, forces: Array) -> None:
-        """See `NativeItems`."""
-        self._subtract_inertia(self._bodies, q, v, forces)
-
-    def rates(self, t: float, forces: Sequence[Array], *arrays: Array) -> None:
-        """See `index_reduced_rates`.   forces: on all cables, then on the others."""
+    def rates(self, t: float, forces: Array, *arrays: Array) -> None:
+        """See `index_reduced_rates`.   forces: (n,) see `NativeItems.act`."""
         self._rates(self._external(t, forces), *arrays)
         self.form.require_independence()
 
-    def accelerate(self, t: float, forces: Sequence[Array], *arguments: Any) -> None:
+    def take_step(self, native_items: Any, t: float, h: float, scheme: Rattle, state: Any) -> None:
+        """A step of h [s] to t [s], see `advance_rattle`, with forces of Exudyn at its end."""
+        external = self.form.loads.at(t)
+        self._shake(external, state, h, scheme)
+        self._items.given[:] = native_items.act(t, state.q, state.v_half + 0.5 * h * state.a)
+        self._accelerate(external, state.q, state.v_half, 0.5 * h, state.a, state.v)
+        self.form.require_independence()
+
+    def accelerate(self, t: float, forces: Array, *arguments: Any) -> None:
         """See `accelerate_and_project`."""
         self._accelerate(self._external(t, forces), *arguments)
         self.form.require_independence()
@@ -84,15 +86,22 @@ class CompiledParts:
         """See `integrators.rattle.shake`."""
         self._shake(self.form.loads.at(t), *arguments)
 
-    def _external(self, t: float, forces: Sequence[Array]) -> Array:
-        """As the system takes it; forces on the others are given to them."""
-        number = len(forces) - len(self._others)
-        for dofs, force in zip(self._others, forces[number:], strict=True):
-            self._items.given[dofs] = force
-        external = self.form.loads.at(t)
-        if number:
-            external[: self._cables] = np.concatenate(forces[:number])
-        return external
+    def _external(self, t: float, forces: Array) -> Array:
+        """What the cables' own loads are; the forces are given to all parts."""
+        self._items.given[:] = forces
+        return self.form.loads.at(t)
+
+    def solve(
+        self, cables: Sequence[Cable], native_items: Any, time: float, step: float, state: Any
+    ) -> tuple[Array, Array, Array]:
+        """Accelerations (n,), multipliers (m,) of the joints, and what items and joints do (n,).
+
+        By the mass as it is, in a state at `time` [s], after a step [s]; the steps are not touched.
+        """
+        self._items.given[:] = native_items.act(time, state.q, state.v)
+        history = np.array([[state.q, state.v, state.a]])
+        multipliers, forces = self.form.evaluate(cables, np.array([time]), np.array([step]), history)
+        return history[0, 2], multipliers[0], forces[0]
 
     def joint_force(self, dofs: slice) -> Array:
         """J^T nu on one part, at the last evaluation.   dofs: its place."""

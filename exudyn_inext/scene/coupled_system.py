@@ -52,7 +52,6 @@ class CoupledSystem:
     native_items: what acts on the parts, and joins them, see `native.native_items.NativeItems`.
     zeta: stabilisation rate of the joints [1/s], as of the cables.
     multipliers: nu (m,) of the joints at the last evaluation: M a + C_q^T nu = F.
-    drift: c_t (m,) of the joints there.
     parts: cables, bodies, first order states.   wholes: what of them is evaluated at once.
     states: place of the first order states.
     in_one: evaluates all of them, and the joints, if it is set: see `run.parts_in_one`.
@@ -74,7 +73,7 @@ class CoupledSystem:
         self.zeta = zeta
         self.drift_correction = np.zeros(len(native_items.joints))
         self.multipliers = np.zeros(len(native_items.joints))
-        self.drift = np.zeros(len(native_items.joints))
+        self._drift = np.zeros(len(native_items.joints))
         self.has_joints = len(native_items.joints) > 0
 
     @cached_property
@@ -94,9 +93,11 @@ class CoupledSystem:
             return force
         return self.solve.joint_force(self.multipliers, dofs)
 
-    def take_in_one(self) -> None:
-        """What its last evaluation found of the joints."""
-        self.multipliers, self.drift = self.in_one.multipliers, self.in_one.drift
+    @property
+    def drift(self) -> Array:
+        """c_t (m,) of the joints at the last evaluation."""
+        drift: Array = self.in_one.drift if self.in_one else self._drift
+        return drift
 
     def accelerate_joined(self, q: Array, acceleration: Array, target: Array) -> Array:
         """Let J a = target; returns what the damping of cables adds then, see `improve_damping` (n,)."""
@@ -114,7 +115,7 @@ class CoupledSystem:
     def join(self, t: float, q: Array, v: Array) -> JointTerms:
         """Joints at (t, q, v), their Schur complement factorised; the parts are factorised at q."""
         terms: JointTerms = self.native_items.constrain(t, q, v)
-        self.drift = terms.drift
+        self._drift = terms.drift
         self.solve.factorise()
         return terms
 
@@ -123,10 +124,10 @@ class CoupledSystem:
 def coupled_rates(system, external, q, v, acceleration, rate):
     """Eq. (30). Arguments: see `index_reduced_rates`; external: (1,) time [s]."""
     t = float(external[0])
-    forces = system.native_items.forces(t, q, v)
     if system.in_one:
-        system.in_one.rates(t, forces, q, v, acceleration, rate)
-        return system.take_in_one()
+        forces = system.native_items.act(t, q, v)
+        return system.in_one.rates(t, forces, q, v, acceleration, rate)
+    forces = system.native_items.forces(t, q, v)
     for part, force in zip(system.resolved, forces, strict=True):
         dofs = part.dofs
         part.rates(force, q[dofs], v[dofs], acceleration[dofs], rate[dofs])
@@ -147,10 +148,16 @@ def accelerate_and_project_coupled(system, external, q, v, duration, acceleratio
     if leaps:
         rates, velocity[states] = _leap(system, t, q, v, duration, acceleration)
         ends = velocity[states].copy()
-    forces = system.native_items.forces(t, q, velocity)
-    if leaps:
-        forces[-1][:] = rates
-    _accelerate(system, t, forces, q, v, duration, acceleration, end_velocity)
+    if system.in_one:
+        forces = system.native_items.act(t, q, velocity)
+        if leaps:
+            forces[states] = rates
+        system.in_one.accelerate(t, forces, q, v, duration, acceleration, end_velocity)
+    else:
+        forces = system.native_items.forces(t, q, velocity)
+        if leaps:
+            forces[-1][:] = rates
+        _accelerate(system, t, forces, q, v, duration, acceleration, end_velocity)
     if leaps:
         end_velocity[states] = ends
 
@@ -170,10 +177,7 @@ def _leap(system, t, q, v, duration, acceleration):
 
 
 def _accelerate(system, t, forces, q, v, duration, acceleration, end_velocity):
-    """As `accelerate_and_project`, with known forces of native items."""
-    if system.in_one:
-        system.in_one.accelerate(t, forces, q, v, duration, acceleration, end_velocity)
-        return system.take_in_one()
+    """As `accelerate_and_project`, with known forces of native items on the wholes."""
     for part, force in zip(system.resolved, forces, strict=True):
         dofs = part.dofs
         part.accelerate(force, q[dofs], v[dofs], duration, acceleration[dofs], end_velocity[dofs])

@@ -10,6 +10,7 @@ from exudyn.itemInterface import (
     MarkerBodyPosition,
     NodeGenericODE2,
     ObjectKinematicTree,
+    SensorNode,
     SpringDamper,
 )
 from exudyn.utilities import InertiaCuboid
@@ -122,6 +123,20 @@ def test_sensors_of_section_forces_take_what_the_run_has_evaluated(new_mbs, add_
     shown = [mbs.GetSensorStoredData(sensor)[-1, 1] for sensor in sensors]
     np.testing.assert_allclose(shown, CableForces(mbs, cable, points)["tension"], rtol=1e-5)
     assert counted[0] + STEPS // 2 < counted[1] == counted[2] < counted[0] + STEPS + 4
+
+
+def test_accelerations_that_are_written_ask_a_spring_once(new_mbs, add_pendulum, solve):
+    counted = []
+    for is_written in (False, True):
+        mbs, calls = new_mbs(), []
+        cable, _ = pulled_cable(mbs, add_pendulum, [], calls)
+        acceleration = exudyn.OutputVariableType.Acceleration
+        if is_written:
+            mbs.AddSensor(SensorNode(nodeNumber=cable["nodes"][-1], outputVariableType=acceleration))
+        mbs.Assemble()
+        solve(mbs, settings=quiet_settings(0.1, STEPS, 0.1 / STEPS), massScaling=0.25)
+        counted.append(len(calls))
+    assert counted[0] + STEPS // 2 < counted[1] < counted[0] + STEPS + 4
 
 
 def test_a_sensor_of_section_forces_shows_what_is_changed_after_a_step(mbs, add_pendulum, solve):

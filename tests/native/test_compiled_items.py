@@ -913,6 +913,26 @@ def test_the_energy_of_compiled_bodies_under_forces_of_exudyn_is_kept(dimension)
     assert abs(report["drift"]["energyGain"]) + abs(report["drift"]["energyLoss"]) < 1e-4
 
 
+def test_accelerations_of_bodies_under_forces_of_exudyn_keep_euler_parameters_at_their_norm():
+    """p . p = 1 twice differentiated: p . p_tt = -p_t . p_t, without what corrects the drift of steps."""
+    builder = Builder(4, 3)
+    for kind in (spring, of_a_function, spherical_joint):
+        kind(builder)
+    mbs = builder.mbs
+    mbs.Assemble()
+    with silence():
+        report = SolveExplicit(mbs, quiet_settings(0.1, 20), ExplicitSettings(startTolerance=100.0))
+    assert "bodies and joints are compiled" in report["path"]
+    kinds = exudyn.OutputVariableType
+    outputs = kinds.CoordinatesTotal, kinds.Coordinates_t, kinds.Coordinates_tt
+    numbers = range(mbs.systemData.NumberOfNodes())
+    turning = [node for node in numbers if "EP" in mbs.GetNode(node)["nodeType"]]
+    found = [[mbs.GetNodeOutput(node, kind)[3:] for kind in outputs] for node in turning]
+    speeds = [v @ v for _, v, _ in found]
+    assert max(speeds) > 0.1
+    np.testing.assert_allclose([p @ a for p, _, a in found], np.negative(speeds), atol=1e-9)
+
+
 def test_a_body_that_changes_during_the_run_is_evaluated_by_exudyn_from_then_on(monkeypatch):
     def heavier(mbs, t, body):
         if t > 0.02:
