@@ -166,15 +166,16 @@ def native(build):
     return run
 
 
-@pytest.mark.parametrize("elements", [16, 24])
+@pytest.mark.parametrize("elements", [16, 32])
 def test_a_wheel_turns_as_a_native_one_at_any_step_that_is_accepted(build, native, solve, elements):
     expected = native(elements)
     assert expected[0] < -0.1
     limit = solve(build(elements)[0], 1e-3)["bounds"].stability_limit
-    for massScaling, share in ((0.0, 0.98), (0.3, 0.98), (0.0, 0.5)):
-        mbs, sensors = build(elements)
-        solve(mbs, END, stepSize=share * limit, massScaling=massScaling)
-        np.testing.assert_allclose(at_the_end(mbs, sensors), expected, rtol=0.02)
+    for massScaling in (0.0, 0.3):
+        for share in (0.98, 0.5):
+            mbs, sensors = build(elements)
+            solve(mbs, END, stepSize=share * limit, massScaling=massScaling)
+            np.testing.assert_allclose(at_the_end(mbs, sensors), expected, rtol=0.02)
 
 
 @pytest.mark.parametrize("gap, damping", [(GAP, 1.0), (GAP, 20.0), (CLOSED, 1.0)])
@@ -188,13 +189,13 @@ def test_dashpots_of_contact_do_not_bound_the_step_of_a_cable_that_stretches(
 
     scene, found = {"touch": touch, "gap": gap}, []
     expected = native(16, **scene)
-    for step in (None, 1e-5):
+    for step in (None, 1e-5, 5e-6):
         mbs, sensors = build(16, extensible=True, **scene)
         report = solve(mbs, END, stepSize=step)
         found.append(at_the_end(mbs, sensors))
         assert report["bounds"].stability_limit > 2.4e-5
     np.testing.assert_allclose(found[0], expected, rtol=0.02)
-    np.testing.assert_allclose(found[0], found[1], rtol=1e-3)
+    np.testing.assert_allclose(found[:2], [found[2]] * 2, rtol=1e-3)
 
 
 def test_contact_that_is_damped_implicitly_is_the_same_scene_after_a_load_was_changed(build, solve):
