@@ -152,7 +152,7 @@ class Restarts:
             "grid": asdict(replace(grid, first=step)),
             "loopStep": self.found.header["loopStep"] if self.found else loop_step,
             "massScaling": self.mass_scaling,
-            "dampsImplicitly": any(getattr(run, "damps_implicitly", False) for run in runs),
+            "dampsImplicitly": any(run.damps_implicitly for run in runs),
             "evaluatedBy": [run.evaluated_by for run in runs],
             "changes": self.changes_so_far(),
             "identity": self._identity,

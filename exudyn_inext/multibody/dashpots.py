@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 
 from ..compiled import inlined
+from .circle_contacts import SHARE
 from .connectors import CARTESIAN, RUBBING, SPRING
 from .joints import NONE
 from .rows import DASHPOT, ROW
 
-LAG = 0.5 + 1.0 / 16.0  # times h d
 SMALLEST = 1e-300  # W of a damper that is explicit, which makes its row as soft as can be
 
 
@@ -66,4 +66,4 @@ def aim_dashpots(joints, connectors, points):
                 factor = connector.factors[1] if side == 1 else -connector.factors[0]
                 row.e[side, k] = factor * direction if axis < 3 else 0.0
                 row.turned[side, k] = factor * direction if axis >= 3 else 0.0
-        row.softness = 1.0 / max(row.lag * connector.damping[axis, axis], SMALLEST)
+        row.softness = 1.0 / max(SHARE * row.lag * connector.damping[axis, axis], SMALLEST)

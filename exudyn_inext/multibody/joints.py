@@ -271,24 +271,27 @@ def factorise_joints(joints):
 @inlined
 def set_rates(joints, v):
     """c_t = J v - o_t of all rows.   v: (n,)."""
-    entries = joints.entries
     for r in range(len(joints.rate)):
         joints.rate[r] = -joints.rows[r].drift
-    for e in range(len(entries.first)):
-        first, dof = entries.first[e], entries.dof[e]
-        for i in range(entries.begin[e], entries.stop[e]):
-            joints.rate[entries.row[e]] += entries.jacobian[first + i] * v[dof + i]
+    _add_rates(joints, 0, v, joints.rate)
 
 
 @inlined
 def predict_rates_of_dashpots(joints, predicted):
-    """J times these velocities (n,) into gamma of dashpots, of which nothing else is known."""
+    """J times these velocities (n,) into gamma of dashpots, where it is zero."""
+    if joints.holding < len(joints.rows):
+        _add_rates(joints, joints.holding, predicted, joints.gamma)
+
+
+@inlined
+def _add_rates(joints, begin, v, rates):
+    """rates += J v of the rows from number `begin` on.   rates: (m,)."""
     entries = joints.entries
     for e in range(len(entries.first)):
-        if entries.row[e] >= joints.holding:
+        if entries.row[e] >= begin:
             first, dof = entries.first[e], entries.dof[e]
             for i in range(entries.begin[e], entries.stop[e]):
-                joints.gamma[entries.row[e]] += entries.jacobian[first + i] * predicted[dof + i]
+                rates[entries.row[e]] += entries.jacobian[first + i] * v[dof + i]
 
 
 @inlined
@@ -440,7 +443,8 @@ def subtract_forces(joints, x):
 @inlined
 def subtract_forces_of_dashpots(joints, x):
     """x -= J^T nu of dashpots.   x: (n,)."""
-    _subtract_forces(joints, joints.holding, len(joints.rows), x)
+    if joints.holding < len(joints.rows):
+        _subtract_forces(joints, joints.holding, len(joints.rows), x)
 
 
 @inlined

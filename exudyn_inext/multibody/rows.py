@@ -47,7 +47,7 @@ ROW = record_type(
         ("e", np.float64, (2, 3)),  # e_0 and e_1 at present; of PARALLEL dc/dx_0 and dc/dx_1
         ("d", np.float64, (3,)),  # distance at present; of ROLLING s
         ("connector", np.int64),  # of DASHPOT; dc_t/dx_t and dc_t/dw of both points are e and `turned`
-        ("lag", np.float64),  # of DASHPOT, W by d [s]; 0: the damper is explicit
+        ("lag", np.float64),  # of DASHPOT, the step h [s]; 0: the damper is explicit
         ("softness", np.float64),  # of DASHPOT, see there; 0: the row does not yield
     ]
 )

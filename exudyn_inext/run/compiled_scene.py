@@ -19,7 +19,6 @@ from ..errors import OffCableError, RedundantConstraintError
 from ..integrators.integrator import NO_WORK, LoadHistory
 from ..multibody.build import FunctionOfTime, copied, held_coordinates, with_dashpots
 from ..multibody.cables import Cables, cables_in_a_row, provide_cables
-from ..multibody.dashpots import LAG
 from ..multibody.joints import Joints
 from ..multibody.scene import (
     ALL_BUT_FIRST,
@@ -247,7 +246,7 @@ class CompiledScene:
         """Prepare implicit damping of contact and dashpots for steps of h [s]; 0: it is explicit."""
         records = self.contacts.records
         records["lag"] = h * records["implicit"]
-        self._dashpots["lag"] = LAG * h
+        self._dashpots["lag"] = h
 
     @property
     def _dashpots(self) -> Any:

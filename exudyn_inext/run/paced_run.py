@@ -56,8 +56,14 @@ class PacedRun:
     finding = ""
     elsewhere: Any = None
     remembered: Array | None = None
+
     data: Array = np.zeros((2, 0))
     steps: Array = np.zeros(0)
+
+    @property
+    def damps_implicitly(self) -> bool:
+        """Whether dashpots of springs are implicit."""
+        return False
 
     @property
     def completes(self) -> bool:
