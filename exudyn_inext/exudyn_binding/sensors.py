@@ -22,12 +22,19 @@ _OF_POSITIONS = {
     _Type.Coordinates,
     _Type.CoordinatesTotal,
     _Type.Rotation,
+    _Type.RotationMatrix,
     _Type.Director1,
     _Type.Director2,
     _Type.Director3,
 }
 _OF_POINTS = {"Node", "Body", "Marker", "SuperElement"}
-_OF_VELOCITIES = {_Type.Velocity, _Type.Coordinates_t, _Type.AngularVelocity}
+_OF_VELOCITIES = {
+    _Type.Velocity,
+    _Type.VelocityLocal,
+    _Type.Coordinates_t,
+    _Type.AngularVelocity,
+    _Type.AngularVelocityLocal,
+}
 _FORCE_SENSOR = "CreateCableForceSensor for tension and bending moment"
 _ENERGY_SENSOR = "CreateCableEnergySensor for both energies of the cable"
 _WITHOUT_COMPANIONS = {  # outputs that are zero there, and what measures them
@@ -92,12 +99,15 @@ class OutputTimes:
         """Whether functions of items may look at accelerations and forces, or change something."""
         return self._look_of_items() in self._at_all
 
-    def due(self, asks_items: bool) -> float:
+    def due(self, asks_items: bool, answers: bool) -> float:
         """When that is again [s]: in the step that ends next to it.
 
-        asks_items: whether functions of items are called in steps, which may look, too.
+        Args:
+            asks_items: whether functions of items are called in steps, which may look, too.
+            answers: whether sensors show them whenever they are asked for between steps.
         """
-        if self._look in self._at_all or (asks_items and self.items_look_at_forces):
+        sees_each_step = self._look == Look.ANYTHING or (self._look in self._at_all and not answers)
+        if sees_each_step or (asks_items and self.items_look_at_forces):
             return -math.inf
         return min((getattr(self._solver.output, name) for name in self._written), default=math.inf)
 
@@ -114,6 +124,11 @@ class OutputTimes:
                 if time > due - 0.5 * _ROUND_OFF:
                     due = max(due + period, time)
         return result
+
+
+def sensors_of_forces(sensors: Sequence[Any]) -> frozenset[int]:
+    """Numbers of those that look at accelerations or forces, or may.   sensors: data of all of them."""
+    return frozenset(k for k, one in enumerate(sensors) if _derivatives_of(one) == ACCELERATIONS)
 
 
 def _derivatives_of(sensor: dict[str, Any]) -> int:

@@ -34,7 +34,7 @@ from .reports import ExplicitReport
 from .restart import Restarts
 from .scene import assemble, read_scene
 from .scene_runs import RunBuilder, bounds_if_scaled
-from .sensors import OutputTimes, observed_derivatives, warn_of_empty_sensors
+from .sensors import OutputTimes, observed_derivatives, sensors_of_forces, warn_of_empty_sensors
 from .stretch_check import left_out_stretch, warn_of_worst
 from .time_loop import (
     ExplicitTimeLoop,
@@ -226,6 +226,7 @@ def _solve(
         restarts.changes_so_far = changes.stored
         loop = ExplicitTimeLoop(mbs, runs, grid, restarts, observed_derivatives(*looking), changes)
         loop.output_times = OutputTimes(*looking, partial(look_of_item_functions, mbs), solver)
+        log.sensors_of_forces, log.show_forces = sensors_of_forces(sensors), loop.show_forces
         loop.step_is_from = decided_by if explicit.stepSize is None else ""
         shown: AbstractContextManager[None] = nullcontext()
         if restarts.found:

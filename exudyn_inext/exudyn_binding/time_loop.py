@@ -93,6 +93,7 @@ class ExplicitTimeLoop:
         self._calm = 0  # steps since something was changed
         self._until_output = UNSEEN  # steps until somebody looks at accelerations and forces, where items ask
         self._is_changed = False  # before the step that is computed next
+        self._lacks_forces = False  # mbs, and accelerations: nobody was to look at them in its state
         is_unstretched = not (self._written[0].any() or np.any(self._data.GetAECoordinates(INITIAL)))
         self.kept_states = [KeptStates(run, is_unstretched) for run in runs]
         for run in runs:
@@ -181,6 +182,7 @@ class ExplicitTimeLoop:
 
     def complete_state(self) -> None:
         """Give mbs the derivatives of its present coordinates that nobody observed so far."""
+        self.show_forces()
         first, states = self._ahead
         taken = round((self._data.GetTime() - self.grid.start) / (self.grid.substeps * self.grid.h)) - first
         if len(states) and taken >= 1:
@@ -194,15 +196,35 @@ class ExplicitTimeLoop:
         plain = self._plain_user_function()
 
         def take_step(solver: Any, mbs: Any, settings: Any) -> bool:
+            self._lacks_forces = False
             if not (self._is_ahead and length_hint(self._states)):
                 with self._remembering_errors:
                     self._take_over_changes()
                     self._follow_changes()
                 self._shows_forces = self._sees_forces and self._is_output()
             plain(solver, mbs, settings)
+            self._lacks_forces = self._sees_forces and not self._shows_forces and self._completes
             return True
 
         return take_step
+
+    @property
+    def _completes(self) -> bool:
+        """Whether compiled code alone gives accelerations and forces, whenever somebody looks at them."""
+        return all(run.completes for run in self.runs)
+
+    def show_forces(self) -> None:
+        """Give mbs accelerations and forces in its state, if nobody was to look at them: somebody does."""
+        if not self._lacks_forces:
+            return
+        self._lacks_forces = False
+        state, reactions = self._ahead[1][-1:], [np.zeros(self._data.AEsize())]
+        for run, places in zip(self.runs, self._places, strict=True):
+            history = state[:, :, places]
+            self._complete(run, self._computed - 1, history, reactions)
+            state[:, :, places] = history
+        self._data.SetODE2Coordinates_tt(state[0, ACCELERATIONS - 1])
+        self._data.SetAECoordinates(reactions[0])
 
     @property
     def _asks_ahead(self) -> bool:
@@ -228,7 +250,7 @@ class ExplicitTimeLoop:
             return True
         asks_items = not all(run.looks_ahead or run.is_steady for run in self.runs)
         time, step = self.grid.time(self._computed), self.grid.substeps * self.grid.h
-        nearest = (self.output_times.due(asks_items) - time) / step + 0.5
+        nearest = (self.output_times.due(asks_items, self._completes) - time) / step + 0.5
         number = int(max(1.0, min(nearest, self.grid.loop_steps - self._computed)))
         if number <= steps:
             self._until_output = number
@@ -373,7 +395,7 @@ class ExplicitTimeLoop:
             if good and is_seen and not run.completes:
                 self._complete_last(run, history[:good], reactions)
             elif good and (is_seen or not self._is_watched):
-                self._complete(run, history[:good], reactions)
+                self._complete(run, self._computed, history[:good], reactions)
             if not is_all:
                 states[:, :, places] = history
             if run.remembered is not None:
@@ -391,12 +413,12 @@ class ExplicitTimeLoop:
         own = self._reactions_at(last, reactions)
         history[last, 2] = run.accelerations(self.grid.time(self._computed + 1 + last), own)
 
-    def _complete(self, run: Run, history: Array, reactions: list[Array | None]) -> None:
+    def _complete(self, run: Run, first: int, history: Array, reactions: list[Any]) -> None:
         """Accelerations and reactions in the states that somebody looks at, and in the last one.
 
-        reactions: output, None in others.
+        first: step of the loop before them.   reactions: output, None in others.
         """
-        times = np.array([self.grid.time(self._computed + 1 + k) for k in range(len(history))])
+        times = np.array([self.grid.time(first + 1 + k) for k in range(len(history))])
         rows = np.flatnonzero(self._are_seen(times))
         states, multipliers = history[rows], np.zeros((len(rows), self._data.AEsize()))
         if run.complete(times[rows], rows - len(history), states, multipliers):

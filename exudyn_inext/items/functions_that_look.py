@@ -29,16 +29,19 @@ from .functions_of_time import (
     step_functions,
 )
 
-_TRUSTED = {"builtins", "numpy", "math", "exudyn"}
+_TRUSTED = {"builtins", "numpy", "math", "exudyn", "time", "random"}
 _NAMES = """
     SetLoadParameter SetObjectParameter SetMarkerParameter SetNodeParameter
     GetLoadParameter GetObjectParameter GetMarkerParameter GetNodeParameter
     systemData GetTime GetODE2Coordinates GetODE2Coordinates_t SetODE2Coordinates SetODE2Coordinates_t
     GetSensorValues GetNodeOutput GetObjectOutputBody OutputVariableType
-    Position Displacement Velocity Rotation AngularVelocity Coordinates Coordinates_t
-    append extend tolist copy T dot sum min max items values keys get variables __class__
-"""  # of mbs, of what it gives, and of lists and arrays
+    Position Displacement Velocity VelocityLocal Rotation RotationMatrix AngularVelocity AngularVelocityLocal
+    Coordinates Coordinates_t variables __class__
+"""  # of mbs, and of what it gives
 _OF_MBS = set(_NAMES.split())
+_OF_DATA = {
+    name for kind in (np.ndarray, float, str, list, tuple, dict, set) for name in dir(kind) if name[0] != "_"
+}
 _TYPES = {
     getattr(exudyn.OutputVariableType, name) for name in _OF_MBS if hasattr(exudyn.OutputVariableType, name)
 }
@@ -120,7 +123,7 @@ class _Reached:
                     self._members.add(name)
             done |= ahead
         others = {name for name in self._members - self._of_exudyn if not name.startswith("__")}
-        return self.names <= _OF_MBS | others
+        return self.names <= _OF_MBS | _OF_DATA | others
 
     def is_known(self, value: Any) -> bool:
         """Whether a value is, as far as it does not depend on attributes."""

@@ -20,6 +20,7 @@ from exudyn.itemInterface import (
     NodeRigidBody2D,
     ObjectGenericODE2,
     RigidBody2D,
+    SensorNode,
     SensorObject,
     SphericalJoint,
     SpringDamper,
@@ -479,3 +480,53 @@ def load_that_follows_a_force(model):
 def test_forces_are_solved_for_at_each_step_where_a_load_looks_at_them(tmp_path, monkeypatch):
     _, calls = written_rows(load_that_follows_a_force, tmp_path, 0.01, monkeypatch)
     assert calls >= 50
+
+
+def controller_beside_a_sensor_of_forces(model):
+    """Sensors of a support are there, and the function reads another one."""
+    place = SensorNode(nodeNumber=model.nodes[-1], outputVariableType=OutputVariableType.Position)
+    sensor, load = model.mbs.AddSensor(place), model.force(model.nodes[-1])
+
+    def pull(mbs, t):
+        x = mbs.GetSensorValues(sensor).reshape(3)
+        return mbs.SetLoadParameter(load, "loadVector", [0, float(-x[1].round(9)), 0]) or True
+
+    return pull
+
+
+def test_forces_are_not_solved_for_because_a_function_reads_other_sensors(tmp_path, monkeypatch):
+    found, few = written_rows(controller_beside_a_sensor_of_forces, tmp_path, 0.01, monkeypatch)
+    wanted, _ = written_rows(controller_beside_a_sensor_of_forces, tmp_path, 0.01, monkeypatch, True)
+    for rows, wanted_rows in zip(found, wanted, strict=True):
+        np.testing.assert_array_equal(rows, wanted_rows)
+    assert few < 15
+
+
+def seen_by_a_controller(kind, monkeypatch, each_step):
+    """Forces of a support and accelerations that a function reads at some steps, and then acts on."""
+    monkeypatch.setattr(OutputTimes, "due", lambda *_: -np.inf) if each_step else None
+    model, seen = Model(False), []
+    kind(model)
+    reaction = SensorObject(objectNumber=model.supports[1], outputVariableType=OutputVariableType.Force)
+    motion = SensorNode(nodeNumber=model.nodes[-1], outputVariableType=OutputVariableType.Acceleration)
+    sensors, load = [model.mbs.AddSensor(one) for one in (reaction, motion)], model.force(model.nodes[-1])
+
+    def follow(mbs, t):
+        mbs.SetLoadParameter(load, "loadVector", [np.sin(9 * t), 0, 0])
+        if round(t / 1e-3) % 3 == 1:
+            seen.append(np.append(*(mbs.GetSensorValues(one) for one in sensors)))
+            mbs.SetLoadParameter(load, "loadVector", [0, 1e-3 * seen[-1][0], 0])
+        return True
+
+    model.mbs.SetPreStepUserFunction(follow)
+    model.mbs.Assemble()
+    model.run_again(quiet_settings(0.03, 30))
+    monkeypatch.undo()
+    return np.array(seen)
+
+
+@pytest.mark.parametrize("kind", [lambda model: None, body_at_the_tip], ids=["alone", "a body"])
+def test_forces_that_a_function_asks_for_are_those_of_the_state_before_it(kind, monkeypatch):
+    seen = seen_by_a_controller(kind, monkeypatch, each_step=False)
+    np.testing.assert_array_equal(seen, seen_by_a_controller(kind, monkeypatch, each_step=True))
+    assert len(np.unique(seen[:, 0])) == len(seen) == 10

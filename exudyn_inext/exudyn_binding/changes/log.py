@@ -23,6 +23,7 @@ _CONNECTIONS = {"nodeNumber", "nodeNumbers", "bodyNumber", "objectNumber", "mark
 _SETTERS = {f"Set{kind}Parameter": kind for kind in KINDS}
 _FUNCTION = "function"  # in place of one, which a file cannot hold
 _REMEDY = "build all items before the run, and switch them by activeConnector"
+_SENSOR = "GetSensorValues"
 _OF_MBS = (
     *(f"{what}{kind}" for what in ("Add", "Delete", "Modify") for kind in (*KINDS, "Sensor")),
     *("AddGeneralContact", "DeleteGeneralContact", "Assemble", "Reset", "SetDictionary"),
@@ -37,14 +38,18 @@ class ChangeLog:
     is_followed: whether the run looks at changes between its steps; if not, they are refused.
     is_idle: whether no step is being taken, so that any call may be made.
     is_outdated: whether one was made then that no run can follow: it has to be built again.
+    sensors_of_forces: numbers of those that show accelerations or forces.
+    show_forces: gives mbs these in its state; called before such a sensor is asked for between steps.
     """
 
     is_followed = True
     is_idle = False
     is_outdated = False
+    sensors_of_forces: frozenset[int] = frozenset()
 
     def __init__(self, mbs: Any) -> None:
         self.mbs = mbs
+        self.show_forces: Callable[[], None] = int
         self.changed: dict[Parameter, float] = {}
         self.refusal: SceneError = SceneError("")
         self._known: dict[Parameter, Any] = {}  # values when the log was taken last
@@ -228,5 +233,20 @@ def _noted(name: str) -> Callable[..., Any]:
     return call
 
 
-_WRAPPED = {name: _noted(name) for name in (*_SETTERS, *_OF_MBS)}
+def _after_forces() -> Callable[..., Any]:
+    """`GetSensorValues` of mbs, which then has the forces that the sensor looks at."""
+    original = getattr(exudyn.MainSystem, _SENSOR)
+
+    @wraps(original)
+    def call(self: Any, *args: Any, **kwargs: Any) -> Any:
+        number = int(args[0] if args else kwargs.get("sensorNumber", -1))
+        for log in _logs_of(self):
+            if number in log.sensors_of_forces:
+                log.show_forces()
+        return original(self, *args, **kwargs)
+
+    return call
+
+
+_WRAPPED = {name: _noted(name) for name in (*_SETTERS, *_OF_MBS)} | {_SENSOR: _after_forces()}
 _ORIGINAL: dict[str, Any] = {}  # as they were before the first log listened
