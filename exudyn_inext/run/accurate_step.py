@@ -3,7 +3,8 @@
 A transverse wave of the speed c, which the tension gives it, takes 20 steps to pass an element: the error in
 time is then near that of the mesh. c^2 is the tension over rho_A that weight, loads and inertia can cause at
 most, and twice the energy by mass that the motion starts with. The first vibration of the bent cable is
-resolved in any case, and among bodies all bending waves that the mesh resolves. How fast the motion really
+resolved in any case, and among bodies all bending waves that the mesh resolves, or of cables that are
+lighter than each body, longer ones. How fast the motion really
 is, the watch finds out, see `watch`: then the step becomes shorter, down to one whose error in bending waves
 is that of the mesh, and where cables stretch, one in which axial waves pass a share of an element.
 """
@@ -40,14 +41,19 @@ def accurate_step(run: CableRun, time: float) -> float:
     return min(of_waves, FIRST_VIBRATION * bends, of_drag)
 
 
-def step_of_short_waves(run: CableRun) -> float:
+def step_of_short_waves(run: CableRun, lightest: float = 0.0) -> float:
     """Largest step that resolves the bending waves that the mesh of a cable resolves [s].
 
-    Among bodies, joints and torques make such waves, of a size that nobody knows before the run.
+    Among bodies, joints and torques make such waves, of a size that nobody knows before the run. Their energy
+    is at most some share of that of the motion which a light cable has of its mass: then waves count whose
+    frequency is lower by the square root of that share.
+
+    lightest: body [kg].
     """
     cable = run.scene_cable.cable
     section, length = cable.section, float(cable.element_lengths.min())
-    return SHORT_WAVE * length**2 * math.sqrt(section.mass_per_length / section.bending_stiffness)
+    longer = max(1.0, math.sqrt(lightest / (section.mass_per_length * cable.length)))
+    return longer * SHORT_WAVE * length**2 * math.sqrt(section.mass_per_length / section.bending_stiffness)
 
 
 def resolution_of_mesh(run: Run, time: float, theta: float) -> Array:

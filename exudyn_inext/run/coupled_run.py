@@ -422,6 +422,13 @@ class CoupledRun(LimitedRun):
     def present_state(self) -> KeptState:
         return self._kept.another()
 
+    @cached_property
+    def lightest_body(self) -> float:
+        """Mass of the lightest one [kg], or what counts as such of its first coordinate; 0 if there is none."""
+        bodies = self._scene.system.parts[len(self._runs)].system
+        masses = bodies.mass.diagonal()
+        return float(min(masses[np.unique(bodies.bodies[: len(masses)])], default=0.0))
+
     @property
     def has_implicit_bending(self) -> bool:
         return any(run.has_implicit_bending for run in self._runs)

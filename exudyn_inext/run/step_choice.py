@@ -195,9 +195,10 @@ def _bounds_and_scaling(
     accuracy = min(accurate_step(cable, start) for cable in cables)
     usual = THETA
     if _are_among_bodies(runs):
-        of_bending = min(map(step_of_short_waves, cables))
-        if accuracy > STIFF * of_bending:
+        if accuracy > STIFF * min(map(step_of_short_waves, cables)):
             usual = THETA_AMONG_BODIES
+        lightest = min(run.lightest_body for run in runs if isinstance(run, CoupledRun))
+        of_bending = min(step_of_short_waves(cable, lightest) for cable in cables)
         accuracy = min(accuracy, of_bending, *(_step_of_states(run, start) for run in runs))
     step, theta = accuracy, _mass_scaling(cables, accuracy, explicit, usual)
     explicit = replace(explicit, massScaling=theta)
