@@ -424,7 +424,7 @@ class CoupledRun(LimitedRun):
 
     @cached_property
     def lightest_body(self) -> float:
-        """Mass of the lightest one [kg], or what counts as such of its first coordinate; 0 if there is none."""
+        """Mass of the lightest one, or of its first coordinate [kg]; 0 if there is none."""
         bodies = self._scene.system.parts[len(self._runs)].system
         masses = bodies.mass.diagonal()
         return float(min(masses[np.unique(bodies.bodies[: len(masses)])], default=0.0))

@@ -46,10 +46,10 @@ class ChangeLog:
     is_idle = False
     is_outdated = False
     sensors_of_forces: frozenset[int] = frozenset()
+    show_forces: Callable[[], None]
 
     def __init__(self, mbs: Any) -> None:
         self.mbs = mbs
-        self.show_forces: Callable[[], None] = int
         self.changed: dict[Parameter, float] = {}
         self.refusal: SceneError = SceneError("")
         self._known: dict[Parameter, Any] = {}  # values when the log was taken last
