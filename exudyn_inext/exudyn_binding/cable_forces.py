@@ -88,7 +88,7 @@ class SceneEvaluator:
         if not self.scene.foreign:
             return self._solve_alone(mbs, place, self.loads(place).at(time))
         number = self.scene.cables[place].number
-        known = None if self._stretches else self._joined_forces(number, time)
+        known = self._joined_forces(number, time)
         if known is None:
             return self._solve_among_others(mbs, place)
         time, joined = known
