@@ -17,6 +17,7 @@ from .errors import (
 from .exudyn_binding.advising.advise import AdviceSettings, Advise
 from .exudyn_binding.cable_energy import CreateCableEnergySensor
 from .exudyn_binding.cable_forces import CableForces, CreateCableForceSensor
+from .exudyn_binding.eigenvalues import ComputeEigenvalues
 from .exudyn_binding.ensemble import SolveEnsemble
 from .exudyn_binding.explicit_solver import ExplicitSolver
 from .exudyn_binding.explicit_steps import ExplicitSteps
@@ -51,6 +52,7 @@ __all__ = [
     "CableDrag",
     "CableForces",
     "CableShape",
+    "ComputeEigenvalues",
     "CreateCableEnergySensor",
     "CreateCableForceSensor",
     "CreateCompanionCables",

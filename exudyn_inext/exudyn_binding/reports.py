@@ -67,6 +67,14 @@ class StaticReport(Report):
         yield f"cables: {', '.join(row['name'] for row in self['cables'])}"
 
 
+class EigenvalueReport(Report):
+    """What ComputeEigenvalues returns."""
+
+    def _lines(self) -> Iterable[str]:
+        yield f"ComputeEigenvalues: {len(self['eigenvalues'])} vibrations, of"
+        yield f"{', '.join(f'{one:.5g}' for one in self['frequencies'])} Hz"
+
+
 class AdviceReport(Report):
     """What Advise returns."""
 

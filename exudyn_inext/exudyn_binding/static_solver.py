@@ -1,9 +1,9 @@
 """SolveEquilibrium: the stable static equilibrium of a scene with inextensible cables."""
 
-from collections.abc import Iterable, Sequence
-from contextlib import ExitStack
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import exudyn
 import numpy as np
@@ -28,6 +28,7 @@ from ..scene.model import CableInScene, Scene, put_reactions
 from ..statics import (
     Equilibrium,
     JoinedPotential,
+    Potential,
     StaticOptions,
     find_equilibrium,
     potential_of,
@@ -165,17 +166,28 @@ def SolveEquilibrium(
     assemble(mbs, "SolveEquilibrium", autoAssemble)
     take_word(mbs, static.dependsOnTimeOnly)
     time = require_finite("timeIntegration.startTime", settings.timeIntegration.startTime, "s")
-    with ExitStack() as stack:
-        with at_start(mbs, time):
-            stack.enter_context(at_position_level(mbs, time))
-            scene = read_scene(mbs)
-        if not scene.cables:
-            raise SceneError("mbs has no inextensible cable: use mbs.SolveStatic for native items.")
+    with scene_of(mbs, time, "mbs.SolveStatic") as scene:
         solve = _solve_scene if needs_coupling(scene) else _solve_cables
         report = solve(mbs, scene, time, static)
     if simulationSettings is not None:
         _write_equilibrium(mbs, settings, scene.evaluated_by_kernels[0])
     return report
+
+
+@contextmanager
+def scene_of(mbs: Any, time: float, native: str) -> Iterator[Scene]:
+    """What mbs contains; meanwhile, its drives hold positions.   native: what to use if there is no cable.
+
+    Raises:
+        SceneError: there is none.
+    """
+    with ExitStack() as stack:
+        with at_start(mbs, time):
+            stack.enter_context(at_position_level(mbs, time))
+            scene = read_scene(mbs)
+        if not scene.cables:
+            raise SceneError(f"mbs has no inextensible cable: use {native} for native items.")
+        yield scene
 
 
 def _write_equilibrium(mbs: Any, settings: Any, cables: Sequence[int]) -> None:
@@ -218,27 +230,42 @@ def _solve_cables(mbs: Any, scene: Scene, time: float, static: StaticSettings) -
 
 
 def _solve_cable(mbs: Any, scene_cable: CableInScene, time: float, static: StaticSettings) -> Equilibrium:
-    cable = scene_cable.cable
-    _require_still_fluid(scene_cable)
-    require_reach(cable, time, scene_cable)
-    external = CableLoads(scene_cable).at(time)[: cable.reference.size]
     options = StaticOptions(static.tolerance, static.maxIterations)
     ((q, _),) = initial_states(mbs, [scene_cable])
     for step in range(1, static.loadSteps + 1):
-        potential = potential_of([cable], external * step / static.loadSteps, time)
+        potential = cable_at_rest(scene_cable, time, step / static.loadSteps)
         equilibrium = find_equilibrium(potential, q, options)
         q = equilibrium.q
     return equilibrium
 
 
-def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) -> dict[str, Any]:
-    """All of a scene at once; arguments: see `_solve_cable`."""
-    if static.loadSteps > 1:
-        raise InputError(
-            f"loadSteps = {static.loadSteps!r}: among bodies, springs and joints the loads are applied at "
-            "once; set it to 1, and start nearer to the equilibrium."
-        )
-    unloaded = [cable.among_others for cable in scene.cables]  # Exudyn evaluates the loads
+def cable_at_rest(scene_cable: CableInScene, time: float, share: float = 1.0) -> Potential:
+    """A cable among nothing else, under its loads at a time [s].   share: of the loads [-]."""
+    cable = scene_cable.cable
+    _require_still_fluid(scene_cable)
+    require_reach(cable, time, scene_cable)
+    external = CableLoads(scene_cable).at(time)[: cable.reference.size]
+    return potential_of([cable], external * share, time)
+
+
+class SceneAtRest(NamedTuple):
+    """All of a scene.
+
+    joined: evaluated by Exudyn.   others: all but its cables.   potential: of all.   start: (n,) of mbs.
+    cables: of the scene, without the loads that Exudyn evaluates.
+    """
+
+    joined: CoupledScene
+    others: StaticScene
+    potential: JoinedPotential
+    start: Array
+    cables: list[CableInScene]
+
+
+@contextmanager
+def scene_at_rest(mbs: Any, scene: Scene, time: float) -> Iterator[SceneAtRest]:
+    """A scene with bodies, joints or springs, at a time [s]; meanwhile, Exudyn may be asked."""
+    unloaded = [cable.among_others for cable in scene.cables]
     for cable in unloaded:
         _require_still_fluid(cable)
         _require_known_weight(cable)
@@ -253,8 +280,19 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
         cables = [cable.cable for cable in unloaded]
         external = [own.at(time)[: cable.reference.size] for cable, own in zip(cables, loads, strict=True)]
         start, _ = joined.initial_state
-        options = StaticOptions(static.tolerance, static.maxIterations)
         potential = JoinedPotential(potentials_of(cables, external, time), others, start)
+        yield SceneAtRest(joined, others, potential, start, unloaded)
+
+
+def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) -> dict[str, Any]:
+    """All of a scene at once; arguments: see `_solve_cable`."""
+    if static.loadSteps > 1:
+        raise InputError(
+            f"loadSteps = {static.loadSteps!r}: among bodies, springs and joints the loads are applied at "
+            "once; set it to 1, and start nearer to the equilibrium."
+        )
+    with scene_at_rest(mbs, scene, time) as (joined, others, potential, start, unloaded):
+        options = StaticOptions(static.tolerance, static.maxIterations)
         equilibrium = find_equilibrium(potential, start, options)
         q = equilibrium.q
         reactions = others.reactions(q, equilibrium.multipliers[-len(others.values(q)) or len(q) :])

@@ -19,15 +19,18 @@ class Projection(Enforcement):
         return {"forceUserFunction": refuse, "massMatrixUserFunction": refuse}
 
 
-_OURS = "use exudyn_inext.SolveExplicit(mbs, simulationSettings), SolveEquilibrium(mbs) for statics, or"
+_OURS = (
+    "use exudyn_inext.SolveExplicit(mbs, simulationSettings), SolveEquilibrium(mbs) for statics, "
+    "ComputeEigenvalues(mbs) for eigenvalues, or"
+)
 
 
 def _refuse(mbs, t, itemNumber, q, q_t):
     raise EnforcementError(
         f"the inextensible cable of object {itemNumber} has enforcement = 'projection', but was evaluated by "
         "a native solver, which does not enforce inextensibility (the cable would fall apart): "
-        f"{_OURS} create the cable with enforcement='algebraic' for native implicit solvers, eigenvalues and "
-        "degrees of freedom, with enforcement='penaltyMass' for native explicit solvers."
+        f"{_OURS} create the cable with enforcement='algebraic' for native implicit solvers and degrees of "
+        "freedom, with enforcement='penaltyMass' for native explicit solvers."
     )
 
 
@@ -35,5 +38,5 @@ def _refuse_to_stretch(mbs, t, itemNumber, q, q_t):
     raise EnforcementError(
         f"the cable of object {itemNumber}, which stretches, was evaluated by a native solver, which knows "
         f"nothing of its forces: {_OURS} take GenerateBeamElementsAlongLine with an ObjectANCFCable2D or "
-        "ObjectANCFCable for native solvers, eigenvalues and degrees of freedom."
+        "ObjectANCFCable for native solvers and degrees of freedom."
     )

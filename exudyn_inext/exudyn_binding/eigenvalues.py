@@ -1,0 +1,117 @@
+"""ComputeEigenvalues: the lowest vibrations of a scene about its equilibrium."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..checks import LARGEST_NUMBER_OF_ITEMS, require_finite, require_integer
+from ..errors import SceneError
+from ..items.arguments import simulation_settings
+from ..scene.model import Scene
+from ..statics.static_system import StaticSystem
+from ..statics.vibrations import balance, vibrations
+from .reports import EigenvalueReport
+from .scene import assemble, initial_states
+from .scene_runs import needs_coupling
+from .static_solver import cable_at_rest, scene_at_rest, scene_of
+
+AT_REST = 1e-5  # force that is left unbalanced, over the largest load
+ON_CONSTRAINTS = 1e-6  # violation of these [-, m]
+
+
+def ComputeEigenvalues(
+    mbs: Any, simulationSettings: Any = None, numberOfEigenvalues: int = 10, autoAssemble: bool = True
+) -> dict[str, Any]:
+    """Lowest vibrations about the equilibrium in which mbs rests; see mbs.ComputeODE2Eigenvalues.
+
+    Call SolveEquilibrium before. What forces of constraints, the tension of cables among them, do to the
+    stiffness is contained; mbs.ComputeODE2Eigenvalues leaves it out. Damping and initial velocities are not
+    contained. The equilibrium need not be stable: it has a negative eigenvalue then.
+
+    Args:
+        mbs: system, which stays as it is.
+        simulationSettings: exudyn.SimulationSettings; used is timeIntegration.startTime, at which loads and
+            moving supports are taken.
+        numberOfEigenvalues: how many, from the lowest one on; fewer are given if there are fewer.
+        autoAssemble: whether mbs.Assemble() is called if mbs is not assembled.
+
+    Returns:
+        dict, which prints as a summary, with 'eigenvalues' (k,) w^2 rising [1/s^2], 'frequencies' (k,) [Hz],
+        negative for negative eigenvalues, and 'eigenvectors' (n, k) of all ODE2 coordinates, of modal mass 1,
+        as AnimateModes of exudyn.interactive takes them (systemEigenVectors). Bodies that are free to turn
+        have eigenvalues of zero, within round-off.
+
+    Raises:
+        InputError: arguments of another kind, or out of range.
+        SceneError: mbs is not at rest, cannot be assembled, or shall not, contains what is not supported, or
+            has redundant constraints.
+
+    Example:
+        SolveEquilibrium(mbs)
+        found = ComputeEigenvalues(mbs, numberOfEigenvalues=5)
+        print(found["frequencies"])
+    """
+    settings = simulation_settings(simulationSettings)
+    number = require_integer("numberOfEigenvalues", numberOfEigenvalues, 1, LARGEST_NUMBER_OF_ITEMS)
+    assemble(mbs, "ComputeEigenvalues", autoAssemble)
+    time = require_finite("timeIntegration.startTime", settings.timeIntegration.startTime, "s")
+    with scene_of(mbs, time, "mbs.ComputeODE2Eigenvalues") as scene:
+        of_parts = _of_scene if needs_coupling(scene) else _of_cables
+        found = list(of_parts(mbs, scene, time, number))
+    values = np.concatenate([own for own, _ in found])
+    vectors = np.hstack([own for _, own in found])
+    lowest = np.argsort(values, kind="stable")[:number]
+    rates = np.sign(values[lowest]) * np.sqrt(np.abs(values[lowest]))
+    return EigenvalueReport(
+        {
+            "eigenvalues": values[lowest],
+            "frequencies": rates / (2.0 * np.pi),
+            "eigenvectors": vectors[:, lowest],
+        }
+    )
+
+
+def _of_cables(mbs: Any, scene: Scene, time: float, number: int) -> Iterator[tuple[Array, Array]]:
+    """Values (k,) and vectors (n, k) of all coordinates of mbs, of each cable."""
+    cables = scene.cables
+    for cable, (q, _) in zip(cables, initial_states(mbs, cables), strict=True):
+        potential = cable_at_rest(cable, time)
+        potential.turn_with(q)
+        yield _of_system(mbs, potential, q, cable.indices, number, f"cable '{cable.name}'")
+
+
+def _of_scene(mbs: Any, scene: Scene, time: float, number: int) -> Iterator[tuple[Array, Array]]:
+    """As `_of_cables`, of all that moves together."""
+    with scene_at_rest(mbs, scene, time) as (joined, _, potential, start, _):
+        yield _of_system(mbs, potential, start, joined.map.indices, number, "the scene")
+
+
+def _of_system(
+    mbs: Any, system: StaticSystem, q: Array, indices: Any, number: int, name: str
+) -> tuple[Array, Array]:
+    """indices: of its coordinates, in mbs."""
+    try:
+        multipliers, left = balance(system, q)
+        _require_rest(system, q, left, name)
+        values, own = vibrations(system, q, multipliers, number)
+    except RuntimeError as error:
+        raise SceneError(
+            f"{name} has redundant constraints, so that their forces, and what these do to vibrations, are "
+            "not known: leave some of them out, or give cables their axialStiffness."
+        ) from error
+    vectors = np.zeros((mbs.systemData.ODE2Size(), len(values)))
+    vectors[indices] = own.T
+    return values, vectors
+
+
+def _require_rest(system: StaticSystem, q: Array, left: float, name: str) -> None:
+    """Raise SceneError if that force [N] is left unbalanced, or constraints are violated."""
+    limit, violation = AT_REST * system.largest_load, float(np.abs(system.values(q)).max(initial=0.0))
+    if left > limit or violation > ON_CONSTRAINTS:
+        raise SceneError(
+            f"{name} does not rest in the initial configuration of mbs: a force of {left:.3g} N is not "
+            f"balanced (limit {limit:.3g} N), and constraints are violated by {violation:.3g} (limit "
+            f"{ON_CONSTRAINTS:g}). Call SolveEquilibrium(mbs) before."
+        )

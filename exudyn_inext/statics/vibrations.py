@@ -1,0 +1,60 @@
+"""The lowest vibrations about an equilibrium, on its constraints."""
+
+from typing import Any
+
+import numpy as np
+import scipy
+
+from ..arrays import Array
+from .saddle_point import factorise, solve
+from .static_system import StaticSystem
+
+FEW = 300  # coordinates, of which all vibrations are found at once
+SHIFT = 1e-3  # below zero, in units of the loads' own eigenvalue: what is free to move has an inverse, too
+
+
+def balance(system: StaticSystem, q: Array) -> tuple[Array, float]:
+    """Multipliers (m,) of the constraints at q, and the largest force [N] that they leave unbalanced.
+
+    Raises:
+        RuntimeError: constraints depend on each other.
+    """
+    force, jacobian = system.force(q), system.jacobian(q)
+    factor = factorise(system.metric, jacobian, system.order)
+    _, multipliers = solve(factor, force, np.zeros(jacobian.shape[0]))
+    return multipliers, system.size(force - jacobian.T @ multipliers)
+
+
+def vibrations(system: StaticSystem, q: Array, multipliers: Array, number: int) -> tuple[Array, Array]:
+    """w^2 of M x'' = -H x - J^T lam, J x = 0, with M for the mass and H for the Hessian of the Lagrangian.
+
+    Args:
+        system: at rest at q, with these multipliers.
+        number: of the vibrations that are asked for; fewer are found if there are fewer.
+
+    Returns:
+        (k,) rising [1/s^2], and (k, n) vectors x with x . M x = 1.
+    """
+    hessian, jacobian = system.hessian(q, multipliers), system.jacobian(q)
+    hessian = 0.5 * (hessian + hessian.T)  # of torques it is not symmetric
+    number = min(number, q.size - jacobian.shape[0])
+    if q.size > FEW and 2 * number < q.size - jacobian.shape[0]:
+        return _by_lanczos(system, hessian, jacobian, number)
+    basis = scipy.linalg.null_space(jacobian.toarray()) if jacobian.shape[0] else np.eye(q.size)
+    reduced = [basis.T @ (matrix @ basis) for matrix in (hessian, system.mass)]
+    values, vectors = scipy.linalg.eigh(*reduced, subset_by_index=[0, number - 1])
+    return values, (basis @ vectors).T
+
+
+def _by_lanczos(system: StaticSystem, hessian: Any, jacobian: Any, number: int) -> tuple[Array, Array]:
+    """See `vibrations`."""
+    size, zero, shift = hessian.shape[0], np.zeros(jacobian.shape[0]), -SHIFT * system.shift
+    inverse = factorise(hessian - shift * system.mass, jacobian, system.order)
+    project = factorise(system.mass, jacobian, system.order)
+    start, _ = solve(project, np.random.default_rng(1).standard_normal(size), zero)
+    operator = scipy.sparse.linalg.LinearOperator((size, size), lambda x: solve(inverse, x, zero)[0])
+    values, vectors = scipy.sparse.linalg.eigsh(
+        hessian, number, M=system.mass, sigma=shift, OPinv=operator, v0=start
+    )
+    order = np.argsort(values)
+    return values[order], vectors.T[order]
