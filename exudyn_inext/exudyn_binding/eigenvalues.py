@@ -40,8 +40,8 @@ def ComputeEigenvalues(
     Returns:
         dict, which prints as a summary, with 'eigenvalues' (k,) w^2 rising [1/s^2], 'frequencies' (k,) [Hz],
         negative for negative eigenvalues, and 'eigenvectors' (n, k) of all ODE2 coordinates, of modal mass 1,
-        as AnimateModes of exudyn.interactive takes them (systemEigenVectors). Bodies that are free to turn
-        have eigenvalues of zero, within round-off.
+        as AnimateModes of exudyn.interactive takes them, with nodeNumber=None, for systemEigenVectors. Bodies
+        that are free to turn have eigenvalues of zero, within round-off.
 
     Raises:
         InputError: arguments of another kind, or out of range.
