@@ -17,6 +17,7 @@ from exudyn.itemInterface import (
 from exudyn.utilities import InertiaCuboid
 
 from exudyn_inext import (
+    CableShape,
     ComputeEigenvalues,
     CreateInextensibleCable,
     ExplicitSettings,
@@ -66,6 +67,20 @@ def test_a_string_under_tension_that_stretches(mbs, few, monkeypatch, known_answ
     error = np.abs(frequencies(mbs, 6) / expected - 1.0).max()
     known_answer("frequencies of a string under tension", error)
     assert error < 5e-4
+
+
+def test_a_free_ring(mbs, known_answer):
+    """A. E. H. Love, A Treatise on the Mathematical Theory of Elasticity, 4th ed., 1927, section 293."""
+    radius, density, stiffness = 0.5, 0.3, 0.8
+    section = InextensibleCable(density, stiffness, referenceCurvature=1.0 / radius)
+    add_cable(mbs, shape=CableShape.Circle([0, 0], radius, 32), beamTemplate=section, gravity=[0, 0, 0])
+    mbs.Assemble()
+    found = ComputeEigenvalues(mbs, numberOfEigenvalues=9)["frequencies"]
+    n = np.repeat([2, 3, 4], 2)
+    squares = (n * (n**2 - 1)) ** 2 / (n**2 + 1) * stiffness / (density * radius**4)
+    error = np.abs(2.0 * np.pi * found[3:] / np.sqrt(squares) - 1.0).max()
+    known_answer("frequencies of a free ring", error)
+    assert error < 5e-4 and np.abs(found[:3]).max() < 1e-3
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
