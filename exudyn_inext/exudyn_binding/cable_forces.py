@@ -57,7 +57,6 @@ class SceneEvaluator:
         require_assembled(mbs)
         self.scene = read_scene(mbs)
         self._joined_forces = joined_forces
-        self._stretches = any(cable.cable.stretches for cable in self.scene.cables)
         self._loads: dict[tuple[int, bool], CableLoads] = {}
         self._values: dict[int, Array] = {}  # of loads that have been set since
         self._systems: dict[int, tuple[Any, Bound]] = {}
