@@ -53,6 +53,7 @@ from .step_control import Piece
 
 FEW = 50  # states
 _NOTHING = np.zeros(0)
+_CHANGING = "connectors", "linear_forces", "loads", "given"  # during a run
 
 ChangedItem = tuple[str, int, str]  # kind, number, name of the parameter
 
@@ -466,7 +467,7 @@ class CompiledScene:
         copies.joints.drift_correction[:] = 0.0
         copies.joints.rows["lag"] = 0.0
         copies.bodies["drift_correction"] = 0.0
-        forces = {"connectors": items.connectors, "loads": items.loads, "given": items.given}  # may change
+        forces = {name: getattr(items, name) for name in _CHANGING}
         return self.system._replace(cables=own, items=copies._replace(**forces))
 
     def _joined_forces(self, system: SceneSystem) -> Array:
