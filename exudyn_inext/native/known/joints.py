@@ -336,8 +336,8 @@ def _coordinates(data: dict[str, Any], name: str, reader: PointReader) -> list[A
     rows = []
     for k, offset in enumerate(data["offset"]):
         weights = [data[f"scalingMarker{side}"][k : k + 1].ravel() for side in range(2)]
-        places = tuple(map(reader.combination, nodes, weights))
-        rows.append(_Joint(places, np.zeros((2, 3, 3))).row(DIFFERENCE, offset=offset))
+        one, other = map(reader.combination, nodes, weights)
+        rows.append(_Joint((one, other), np.zeros((2, 3, 3))).row(DIFFERENCE, offset=offset))
     return rows
 
 

@@ -13,8 +13,9 @@ from .unknown import UnknownItemError, require_no_functions
 OF_MATRICES = {"stiffnessMatrix", "dampingMatrix", "forceVector"}
 
 
-def read_linear_forces(mbs: Any, number: int, data: dict[str, Any], coordinates: CoordinateMap) -> Any:
+def read_linear_forces(mbs: Any, number: int, coordinates: CoordinateMap) -> Any:
     """(E,) records of the forces of an object; UnknownItemError if a user function takes part."""
+    data = mbs.GetObject(number)
     require_no_functions(data, described(data, number))
     system = mbs.systemData.GetObjectLTGODE2(number)
     places = np.array([coordinates.place(c) for c in system], dtype=int)

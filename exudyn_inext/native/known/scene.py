@@ -122,7 +122,7 @@ class KnownNumbers:
             return
         if data["objectType"] == "GenericODE2":
             begin = len(self.linear_forces)
-            self.linear_forces = np.append(self.linear_forces, self._read_matrices(number, data))
+            self.linear_forces = np.append(self.linear_forces, self._read_matrices(number))
             self._matrices[number] = slice(begin, len(self.linear_forces))
             return
         is_active = data.get("activeConnector", True)
@@ -199,17 +199,19 @@ class KnownNumbers:
             return False
         return is_known and self._reader.number_of_points == before
 
-    def _read_matrices(self, number: int, data: dict[str, Any]) -> Any:
-        return read_linear_forces(self._mbs, number, data, self._coordinates)
+    def _read_matrices(self, number: int) -> Any:
+        return read_linear_forces(self._mbs, number, self._coordinates)
 
     def _matrices_again(self, number: int, linear_forces: Any) -> bool:
-        """False if other entries of its matrices are zero than before."""
-        own = linear_forces[self._matrices[number]]
-        found = self._read_matrices(number, self._mbs.GetObject(number))
-        is_alike = len(found) == len(own) and all((found[k] == own[k]).all() for k in ("row", "column"))
-        if is_alike:
-            own[:] = found
-        return is_alike
+        linear_forces[self._matrices[number]] = self._read_matrices(number)
+        return True
+
+    def has_same_entries(self, number: int) -> bool:
+        """Whether matrices of an object are zero where they were when they were read."""
+        if number not in self._matrices:
+            return True
+        found, own = self._read_matrices(number), self.linear_forces[self._matrices[number]]
+        return all(np.array_equal(found[name], own[name]) for name in ("row", "column"))
 
     def _place_again(self, item: ChangedItem, memories: Sequence[Items]) -> bool:
         markers = self._markers_placed_by(Parameter(*item))
