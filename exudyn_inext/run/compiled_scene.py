@@ -316,6 +316,10 @@ class CompiledScene:
             return True
         return bool(self.numbers.read_again(item, [system.items for system in self._systems]))
 
+    def weigh(self) -> None:
+        """Let masses that change be those of the configuration of mbs."""
+        self.numbers.weigh([system.items for system in self._systems])
+
     def can_move(self, number: int) -> bool:
         """Whether the offset of a joint may be set between steps."""
         return number in self._moved.joints

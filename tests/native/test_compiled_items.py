@@ -21,6 +21,7 @@ from exudyn.itemInterface import (
     MarkerBodyMass,
     MarkerBodyPosition,
     MarkerBodyRigid,
+    MarkerKinematicTreeRigid,
     MarkerNodeCoordinate,
     MarkerNodeCoordinates,
     MarkerNodePosition,
@@ -39,6 +40,7 @@ from exudyn.itemInterface import (
     ObjectGenericODE1,
     ObjectGenericODE2,
     ObjectJointRollingDisc,
+    ObjectKinematicTree,
     ObjectMass1D,
     ObjectMassPoint,
     ObjectRigidBody2D,
@@ -928,6 +930,35 @@ def test_bodies_and_joints_are_compiled_where_forces_are_not(kind, dimension, mo
     with_compiled_parts([kind], len(kind.__name__), dimension, "RATTLE", monkeypatch, tolerance)
 
 
+def robot(b):
+    """A tree of links: its mass depends on its coordinates, of which two are geared."""
+    kinds, number = exudyn.JointType, 4
+    start = {"referenceCoordinates": [0.0] * number, "initialCoordinates": [0.3, -0.4, -0.8, 0.1]}
+    speeds = {"initialCoordinates_t": [2.0, 0.5, 1.0, -0.3], "numberOfODE2Coordinates": number}
+    node = b.mbs.AddNode(NodeGenericODE2(**start, **speeds))
+    frames, inertia = exudyn.Matrix3DList([np.eye(3)] * number), 1e-3 * np.diag([1, 2, 3])
+    links = {
+        "jointTypes": [kinds.RevoluteZ, kinds.RevoluteY, kinds.RevoluteX, kinds.PrismaticX],
+        "linkParents": [-1, 0, 1, 2],
+        "jointTransformations": frames,
+        "jointOffsets": exudyn.Vector3DList([[1.3, 0.5, 0]] + [[0.3, 0, 0]] * 3),
+        "linkInertiasCOM": exudyn.Matrix3DList([inertia] * number),
+        "linkCOMs": exudyn.Vector3DList([[0.15, 0.02, 0.05]] * number),
+        "linkMasses": [0.3] * number,
+    }
+    tree = b.mbs.AddObject(ObjectKinematicTree(nodeNumber=node, gravity=[0, -9.81, 0], **links))
+    hand = MarkerKinematicTreeRigid(objectNumber=tree, linkNumber=number - 1, localPosition=[0.3, 0, 0])
+    pair = [b.mbs.AddMarker(hand), b.on_cable()]
+    b.mbs.AddObject(SpringDamper(markerNumbers=pair, stiffness=40, referenceLength=0.4))
+    geared = [b.coordinate(node, k) for k in (1, 2)]
+    b.mbs.AddObject(CoordinateConstraint(markerNumbers=geared, factor1=0.5))
+
+
+@every_integrator
+def test_bodies_are_compiled_whose_mass_exudyn_says_at_each_evaluation(integrator, dimension, monkeypatch):
+    with_compiled_parts([robot, spring], 5, dimension, integrator, monkeypatch, OF_JOINTS)
+
+
 def filtered(b):
     """A force that two states of first order let rise."""
     size = {"referenceCoordinates": [0.0, 0.0], "initialCoordinates": [0.5, 0.0]}
@@ -955,11 +986,12 @@ def test_under_all_kinds_of_forces_bodies_and_joints_may_be_compiled(integrator,
     with_compiled_parts(kinds, 8, dimension, integrator, monkeypatch, OFF_UNITY[integrator])
 
 
+@pytest.mark.parametrize("item", [spherical_joint, robot])
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_the_energy_of_compiled_bodies_under_forces_of_exudyn_is_kept(dimension):
+def test_the_energy_of_compiled_bodies_under_forces_of_exudyn_is_kept(dimension, item):
     """Of bodies that turn about points off their centres of mass: the damper takes what they lose."""
     builder = Builder(4, dimension)
-    for kind in (spring, of_a_function, spherical_joint):
+    for kind in (spring, of_a_function, item):
         kind(builder)
     builder.mbs.Assemble()
     explicit = ExplicitSettings(stepSize=2e-4, startTolerance=100.0)

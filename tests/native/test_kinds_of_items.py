@@ -163,6 +163,15 @@ def matrices_geared_to_a_mass(mbs):
     return node
 
 
+def point_on_an_inclined_line(mbs):
+    """Both markers of the constraint have coordinates of one node."""
+    start = {"referencePosition": [0, 1, 0], "initialVelocity": [0.6, 1.2, 0]}
+    point = mbs.CreateMassPoint(mass=0.4, gravity=[3, -9.81, 0], **start, returnDict=True)
+    pair = [mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=point["nodeNumber"], coordinate=k)) for k in (1, 0)]
+    mbs.AddObject(CoordinateConstraint(markerNumbers=pair, factor1=2.0))
+    return point["nodeNumber"]
+
+
 def body_that_turns_with_a_function(mbs):
     body = rigid(mbs, InertiaCuboid(1000, [0.1, 0.2, 0.3]), referencePosition=[0.1, 0, 0], gravity=GRAVITY)
     bodies = [mbs.CreateGround(), body["bodyNumber"]]
@@ -188,6 +197,7 @@ ITEMS = [
     disc_that_rolls_by_penalty,
     matrices_and_a_user_function,
     matrices_geared_to_a_mass,
+    point_on_an_inclined_line,
     body_that_turns_with_a_function,
 ]
 

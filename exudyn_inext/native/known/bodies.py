@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
@@ -23,48 +23,61 @@ _COORDINATES = {
     "RigidBodyRxyz": (3, 3),
     "RigidBodyEP": (3, 4),
 }
+_OF_MATRICES = {"GenericODE2", "KinematicTree"}  # objects whose coordinates are nothing but coordinates
 _POINTS = {"Point", "Point2D"}  # nodes, each of which is one body: markers lie there
 _NODES = {*_POINTS, "1D", "GenericODE2"}  # whose masses are those of their coordinates
-_MOST = 3  # coordinates of a body that does not turn
 MOST_CONDITION = 1e15  # of a mass
+MOST = 6  # coordinates of a body that does not turn
 _OBJECTS = {"Mass1D", "RotationalMass1D", "MassPoint", "MassPoint2D", "RigidBody2D", "RigidBody"}
 # numbers of translations and rotations -> directions in which a body can move, of the frame of the body
 _FREE = {
-    (1, 0): [0],
-    (2, 0): [0, 1],
-    (3, 0): [0, 1, 2],
+    **{(size, 0): list(range(size)) for size in range(1, MOST + 1)},
     (2, 1): [0, 1, 5],
     (3, 3): [0, 1, 2, 3, 4, 5],
     (3, 4): [0, 1, 2, 3, 4, 5],
 }
 
 
-def read_body_records(
-    mbs: Any, bodies: Sequence[Body], coordinates: CoordinateMap, q: Array
-) -> tuple[Any, dict[int, int]]:
-    """(B,) records, those that turn by quaternions first; and their numbers, by those of the objects.
+class KnownBodies(NamedTuple):
+    """records: (B,), those that turn by quaternions first.   numbers: of records, by those of the objects.
 
-    An ObjectGenericODE2 has any number of them, and none of its own.
+    Objects of matrices have any number of records, and no number.
+    changing: bodies whose masses Exudyn says, by numbers of records.
+    """
+
+    records: Any
+    numbers: dict[int, int]
+    changing: dict[int, Body]
+
+
+def read_body_records(
+    mbs: Any, bodies: Sequence[Body], coordinates: CoordinateMap, q: Array, may_change: bool
+) -> KnownBodies:
+    """Read them.
 
     Args:
         mbs: in the configuration q (n,).   bodies: all objects with mass but the cables.
+        may_change: whether Exudyn may say masses at each evaluation.
 
     Raises:
         UnknownItemError: one has no compiled form.
     """
-    found: list[tuple[int, Any]] = []  # number of the object, record
+    found: list[tuple[Body, bool, Any]] = []  # whether it has one record, and this
     for body in bodies:
         data = mbs.GetObject(body.number)
-        if data["objectType"] == "GenericODE2":
-            found += [(-1, record) for record in _bodies_of_matrix(mbs, body, data, coordinates)]
+        if data["objectType"] in _OF_MATRICES:
+            own = _bodies_of_matrix(mbs, body, data, coordinates, may_change)
+            found += [(body, False, record) for record in own]
         else:
-            found.append((body.number, _read_body(mbs, body, data, coordinates, q)))
-    found.sort(key=lambda one: one[1]["rotations"] != 4)
-    records = collected(BODY, [record for _, record in found])
+            found.append((body, True, _read_body(mbs, body, data, coordinates, q)))
+    found.sort(key=lambda one: one[2]["rotations"] != 4)
+    records = collected(BODY, [record for _, _, record in found])
     places = {place for body in bodies for place in body.coordinates.tolist()}
     if int((records["translations"] + records["rotations"]).sum()) > len(places):
         raise UnknownItemError("two bodies on one node")
-    return records, {number: k for k, (number, _) in enumerate(found) if number >= 0}
+    numbers = {body.number: k for k, (body, is_alone, _) in enumerate(found) if is_alone}
+    of_matrices = ((k, body) for k, (body, is_alone, _) in enumerate(found) if not is_alone)
+    return KnownBodies(records, numbers, {k: body for k, body in of_matrices if not body.has_constant_mass})
 
 
 def first_order_records(first: int, number: int) -> Any:
@@ -115,24 +128,27 @@ def _new_record(
 
 
 def _bodies_of_matrix(
-    mbs: Any, body: Body, data: dict[str, Any], coordinates: CoordinateMap
+    mbs: Any, body: Body, data: dict[str, Any], coordinates: CoordinateMap, may_change: bool
 ) -> Iterator[Any]:
-    """Records of an ObjectGenericODE2: one for those coordinates that its mass matrix couples, or a node.
+    """Records of an object: one for those coordinates that its mass matrix couples, or of a node of points.
 
     Raises:
-        UnknownItemError: the mass changes, or couples coordinates as no body without rotations does.
+        UnknownItemError: the mass changes, or couples too many coordinates, or such as turn.
     """
     name = described(data, body.number)
-    nodes = [mbs.GetNode(number) for number in data["nodeNumbers"]]
-    if not body.has_constant_mass or not all(node["nodeType"] in _NODES for node in nodes):
-        raise UnknownItemError(f"{name}, whose mass changes, or lies on nodes that turn")
+    numbers = data["nodeNumbers"] if "nodeNumbers" in data else [data["nodeNumber"]]
+    nodes = [mbs.GetNode(number) for number in numbers]
+    if not all(node["nodeType"] in _NODES for node in nodes):
+        raise UnknownItemError(f"{name} on nodes that turn")
+    if not (body.has_constant_mass or (may_change and body.tells_mass)):
+        raise UnknownItemError(f"{name}, whose mass changes")
     places = np.array([coordinates.place(c) for c in body.coordinates.tolist()])
     reference = np.concatenate([node["referenceCoordinates"] for node in nodes])
-    number, labels = scipy.sparse.csgraph.connected_components(_coupled(body.initial_mass, nodes))
+    number, labels = scipy.sparse.csgraph.connected_components(_coupled(body, nodes))
     for own in (np.flatnonzero(labels == label) for label in range(number)):
         size = len(own)
-        if size > _MOST:
-            raise UnknownItemError(f"{name}, whose mass couples more than {_MOST} coordinates")
+        if size > MOST:
+            raise UnknownItemError(f"{name}, whose mass couples more than {MOST} coordinates")
         record, fields = _new_record(name, places[own].tolist(), (size, 0), reference[own])
         mass = np.zeros((6, 6))
         mass[:size, :size] = body.initial_mass[np.ix_(own, own)]
@@ -141,9 +157,9 @@ def _bodies_of_matrix(
         yield record
 
 
-def _coupled(mass: Array, nodes: Sequence[dict[str, Any]]) -> Array:
-    """(n, n) which coordinates of a mass matrix (n, n) belong together."""
-    meet, begin = mass != 0.0, 0
+def _coupled(body: Body, nodes: Sequence[dict[str, Any]]) -> np.ndarray:
+    """(n, n) which coordinates belong together; all, if other ones may do so later."""
+    meet, begin = (body.initial_mass != 0.0) | (not body.has_constant_mass), 0
     for node in nodes:
         end = begin + len(node["referenceCoordinates"])
         meet[begin:end, begin:end] |= node["nodeType"] in _POINTS

@@ -157,13 +157,13 @@ class PointReader:
         """A point of a body.   body: number of its record.   local: (3,) in its frame.
 
         Raises:
-            UnknownItemError: a mass point has no frame; where a point of a body with one coordinate lies, its
-                record does not say.
+            UnknownItemError: a mass point has no frame; where a point of a body of one coordinate, or of
+                matrices, lies, its record does not say.
         """
         record = self._bodies[body]
         translations, rotations = int(record["translations"]), int(record["rotations"])
-        if translations == 1:
-            raise UnknownItemError("a marker on a body with one coordinate")
+        if translations not in (2, 3):
+            raise UnknownItemError(f"a marker on a body with {translations} coordinate(s)")
         if has_frame and not rotations:
             raise UnknownItemError("a marker with a frame on a mass point")
         point = _new(ON_BODY, int(record["first"]), translations + rotations)

@@ -20,6 +20,7 @@ from ...multibody.scene import Items
 from ...run.compiled_scene import ChangedItem
 from ...run.load_functions import Asked
 from ...run.moved_offsets import MovedOffsets
+from ..changing_masses import ChangingMass, weigh
 from ..coordinates import CoordinateMap
 from ..evaluated_scene import SceneOfExudyn
 from .bodies import first_order_records, mass_of_parameters, read_body_records, set_mass
@@ -52,7 +53,7 @@ def read_known_items(
     states = mbs.systemData.ODE1Size()
     if has_forces and states:
         raise UnknownItemError("states of first order")
-    records, of_bodies = read_body_records(mbs, bodies, coordinates, q)
+    records, of_bodies, changing = read_body_records(mbs, bodies, coordinates, q, not has_forces)
     if states:
         records = np.append(records, first_order_records(len(coordinates.indices), states))
     reader = PointReader(mbs, coordinates, coordinates.slices[-1].start, records, of_bodies)
@@ -61,6 +62,9 @@ def read_known_items(
     done = {*of_bodies, *scene.elsewhere, *of_cables, *(joint.number for joint in scene.joints)}
     others = 3 * (len(functions) + len(of_moved.joints))
     items = KnownNumbers(mbs, coordinates, reader, others, of_moved, movable, of_bodies, follows_state)
+    for record, body in changing.items():
+        block = scene.body_system.mass_at(int(records["first"][record]) - coordinates.slices[-1].start)
+        items.changing_masses.append(ChangingMass(record, body, block))
     touching = ContactReader(mbs, reader, scene.friction.numbers)
     if has_forces:
         for number in range(mbs.systemData.NumberOfObjects()):
@@ -110,6 +114,7 @@ class KnownNumbers:
         self.linear_forces: Any = np.zeros(0, LINEAR_FORCE)
         self.loads: list[Any] = []
         self.functions: list[Asked] = []
+        self.changing_masses: list[ChangingMass] = []
         self._springs: dict[int, tuple[int, KnownConnector]] = {}  # place of each, by its number
         self._matrices: dict[int, slice] = {}  # places of their linear forces
         self._forces: dict[int, tuple[int, KnownLoad]] = {}
@@ -141,6 +146,11 @@ class KnownNumbers:
             self.functions.append(read.function)
         self._forces[number] = len(self.loads), read
         self.loads.append(read.record)
+
+    def weigh(self, memories: Sequence[Items]) -> None:
+        """Masses that change, as mbs is; see `weigh`."""
+        if self.changing_masses:
+            weigh(self._mbs, self.changing_masses, [memory.bodies for memory in memories])
 
     def can_weigh(self, item: ChangedItem) -> bool:
         """See `Mover.can_weigh`: the mass must be that of the parameters, and no function its weight.
