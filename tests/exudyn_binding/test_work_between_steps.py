@@ -165,9 +165,9 @@ def heavier_where_exudyn_gives_the_forces(model):
 
 def heavier_where_exudyn_evaluates_all(model):
     start = {"referenceCoordinates": [0, 1, 0], "initialCoordinates": [0.1, 0, 0]}
-    nodes, coupled = [model.mbs.AddNode(NodePoint(**start)) for _ in range(2)], np.eye(6) + 0.1
+    nodes, coupled = [model.mbs.AddNode(NodePoint(**start)) for _ in range(3)], np.eye(9) + 0.1
     model.mbs.AddObject(
-        ObjectGenericODE2(nodeNumbers=nodes, massMatrix=coupled, stiffnessMatrix=10 * np.eye(6))
+        ObjectGenericODE2(nodeNumbers=nodes, massMatrix=coupled, stiffnessMatrix=10 * np.eye(9))
     )
     return body_that_gets_heavier(model)
 
