@@ -16,10 +16,10 @@ from ..compiled import inlined
 BODY = record_type(
     [
         ("first", np.int64),  # coordinate among all of the scene
-        ("translations", np.int64),  # coordinates: 1, 2 or 3
+        ("translations", np.int64),  # coordinates: 1, 2 or 3; up to 6 of what does not turn
         ("rotations", np.int64),  # coordinates: 0, 1 (angle about z), 3 (angles x, y, z) or 4 (quaternion)
         ("reference", np.float64, (7,)),
-        ("mass", np.float64, (6, 6)),  # in the frame of the body
+        ("mass", np.float64, (6, 6)),  # in the frame of the body; of what does not turn, of its coordinates
         ("inverse", np.float64, (6, 6)),  # of it, zero for directions in which it cannot move
         ("orientation", np.float64, (3, 3)),  # A
         ("rates", np.float64, (3, 4)),  # G
@@ -188,21 +188,32 @@ def _solve(body, biased, result):
         result[i] = total
     for i in range(body.rotations):
         result[number + i] = 0.0
-    if body.rotations > 0:
-        for j in range(3):
-            local = -body.bias[j] if biased else 0.0
-            for m in range(6):
-                local += inverse[3 + j, m] * wrench[m]
-            for i in range(body.rotations):
-                result[number + i] += body.inverse_rates[i, j] * local
+    for j in range(3):
+        local = -body.bias[j] if biased else 0.0
+        for m in range(6):
+            local += inverse[3 + j, m] * wrench[m]
+        for i in range(body.rotations):
+            result[number + i] += body.inverse_rates[i, j] * local
+
+
+@inlined
+def _multiply(matrix, size, x, result):
+    """(size,) of the first rows and columns of a matrix."""
+    for i in range(size):
+        total = 0.0
+        for j in range(size):
+            total += matrix[i, j] * x[j]
+        result[i] = total
 
 
 @inlined
 def accelerate_body(body, force, acceleration):
     """Acceleration under generalised forces and the target; both (k,) of the body alone."""
+    if body.rotations == 0:
+        _multiply(body.inverse, body.translations, force, acceleration)
+        return
     _take_wrench(body, force)
-    if body.rotations > 0:
-        _subtract_gyroscopic(body)
+    _subtract_gyroscopic(body)
     _solve(body, True, acceleration)
     add_lever(body, acceleration)
 
@@ -229,6 +240,9 @@ def subtract_inertia(body, force):
 @inlined
 def respond_body(body, force, response):
     """Acceleration under generalised forces alone; both (k,)."""
+    if body.rotations == 0:
+        _multiply(body.inverse, body.translations, force, response)
+        return
     _take_wrench(body, force)
     _solve(body, False, response)
 
@@ -294,8 +308,9 @@ def aim_at_place(body, q, learning):
 def twice_energy(body, v):
     """Of velocities v (k,) of the body alone, twice its kinetic energy [J]; the body is placed."""
     moving, total = body.wrench, 0.0
-    for i in range(3):
-        moving[i], moving[3 + i] = 0.0, 0.0
+    for i in range(6):
+        moving[i] = v[i] if body.rotations == 0 and i < body.translations else 0.0
+    for i in range(3 if body.rotations > 0 else 0):
         for j in range(body.translations):
             moving[i] += body.orientation[j, i] * v[j]
         for j in range(body.rotations):

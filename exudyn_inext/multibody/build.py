@@ -28,6 +28,7 @@ class KnownItems:
     sliders: Any
     rows: Any
     connectors: Any
+    linear_forces: Any
     loads: Any
     contacts: Any
     functions: Sequence[FunctionOfTime]
@@ -61,7 +62,8 @@ def build_scene(
     provide_damping(cables, chains, len(joints.rows) > 0)
     if implicit:
         provide_cables(cables, chains, add_contact)
-    records = known.bodies, known.points, known.sliders, known.connectors, known.loads, known.contacts
+    acting = known.connectors, known.linear_forces, known.loads, known.contacts
+    records = known.bodies, known.points, known.sliders, *acting
     items = Items(*records, joints, force, given, predicted, path, np.zeros(2, np.int64))
     number = places[-1].stop if places else 0
     ahead = np.repeat(cables.inputs[:-1] - cables.dofs[:-1], np.diff(cables.dofs))  # motions of those before

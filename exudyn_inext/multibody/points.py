@@ -180,6 +180,14 @@ def _move_frame(point, q, v):
 
 
 @inlined
+def _weighted_sum(point, q):
+    total = 0.0
+    for k in range(point.width):
+        total += point.along[0, k] * q[point.first + k]
+    return total
+
+
+@inlined
 def place_points(points, bodies, q):
     """Positions, orientations and Jacobians at q (n,); the bodies are placed."""
     for p in range(len(points)):
@@ -187,7 +195,7 @@ def place_points(points, bodies, q):
         if point.kind == ON_BODY:
             _place_on_body(point, bodies[point.body], q)
         elif point.kind == COORDINATE:
-            point.x[0, 0] = q[point.first] + point.local[0]
+            point.x[0, 0] = point.local[0] + _weighted_sum(point, q)
         elif point.kind == ANGLE:
             _place_angle(point, bodies[point.body])
         elif point.kind != FIXED:
@@ -204,7 +212,7 @@ def move_points(points, bodies, q, v):
         if point.kind == ON_BODY:
             _move_on_body(point, bodies[point.body], v)
         elif point.kind == COORDINATE:
-            point.x[1, 0] = v[point.first]
+            point.x[1, 0] = _weighted_sum(point, v)
         elif point.kind == ANGLE:
             _move_angle(point, bodies[point.body])
         elif point.kind != FIXED:

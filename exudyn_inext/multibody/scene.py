@@ -66,6 +66,7 @@ from .joints import (
     subtract_forces,
     subtract_forces_of_dashpots,
 )
+from .linear_forces import add_linear_forces
 from .loads import add_loads
 from .points import move_points, place_points
 from .rows import move_rows
@@ -80,7 +81,7 @@ TRIALS = 4  # solves in one evaluation, until those contacts act that press
 class Items(NamedTuple):
     """All but the cables: records, and memory.
 
-    bodies, points, connectors, loads: records.
+    bodies, points, connectors, linear_forces, loads: records.
     sliders, contacts, joints: see `Sliders`, `Contacts`, `Joints`.
     force: (n,) what connectors, contacts and loads do to all coordinates [N, Nm].
     given: (n,) what others do.   predicted: (n,) velocities at which they act.
@@ -92,6 +93,7 @@ class Items(NamedTuple):
     points: Any
     sliders: Any
     connectors: Any
+    linear_forces: Any
     loads: Any
     contacts: Any
     joints: Joints
@@ -157,6 +159,7 @@ def act(items, functions, q, v, a):
         items.force[i] = items.given[i]
     settles = items.counting[MODE] == EACH or items.counting[MODE] == SETTLING
     add_connectors(items.connectors, items.points, items.contacts.data, settles, items.force)
+    add_linear_forces(items.linear_forces, q, v, items.force)
     add_contacts(items.contacts, items.points, q, v, a, settles, items.force)
     add_loads(items.loads, items.points, functions, items.force)
     move_rows(items.joints.rows, functions)

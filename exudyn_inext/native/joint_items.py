@@ -69,11 +69,15 @@ def _joint(mbs: Any, number: int, data: dict[str, Any], name: str) -> JointItem:
             "its markers apart, free that axis, as by constrainedAxes=[1, 1, 0], between planar bodies take "
             "an ObjectJointRevolute2D or ObjectJointPrismatic2D, or remove it."
         )
+    of_markers = np.array(mbs.systemData.GetObjectLTGODE2(number), dtype=int)
+    coordinates, places = np.unique(of_markers, return_inverse=True)
+    is_once = len(coordinates) == len(of_markers)
     return JointItem(
         number=number,
         rows=rows[active],
         active=active,
-        coordinates=np.array(mbs.systemData.GetObjectLTGODE2(number), dtype=int),
+        coordinates=of_markers if is_once else coordinates,
+        columns=None if is_once else np.eye(len(coordinates))[places],
         name=name,
         follows_time=any("UserFunction" in key and isinstance(value, dict) for key, value in data.items()),
         is_linear=data["objectType"] in _LINEAR

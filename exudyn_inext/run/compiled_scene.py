@@ -53,6 +53,7 @@ from .step_control import Piece
 
 FEW = 50  # states
 _NOTHING = np.zeros(0)
+_CHANGING = "connectors", "linear_forces", "loads", "given"  # during a run
 
 ChangedItem = tuple[str, int, str]  # kind, number, name of the parameter
 
@@ -315,6 +316,10 @@ class CompiledScene:
             return True
         return bool(self.numbers.read_again(item, [system.items for system in self._systems]))
 
+    def weigh(self) -> None:
+        """Let masses that change be those of the configuration of mbs."""
+        self.numbers.weigh([system.items for system in self._systems])
+
     def can_move(self, number: int) -> bool:
         """Whether the offset of a joint may be set between steps."""
         return number in self._moved.joints
@@ -466,7 +471,7 @@ class CompiledScene:
         copies.joints.drift_correction[:] = 0.0
         copies.joints.rows["lag"] = 0.0
         copies.bodies["drift_correction"] = 0.0
-        forces = {"connectors": items.connectors, "loads": items.loads, "given": items.given}  # may change
+        forces = {name: getattr(items, name) for name in _CHANGING}
         return self.system._replace(cables=own, items=copies._replace(**forces))
 
     def _joined_forces(self, system: SceneSystem) -> Array:

@@ -79,7 +79,9 @@ class LimitedRun(PacedRun):
         joints, bodies = len(self._scene.joints), self._scene.bodies_of_variable_mass
         needs = ["one right-hand side of Exudyn"]
         if self._scene.parts_in_one:
-            needs += ["no mass and no Jacobian (bodies and joints are compiled)"]
+            changing = len(self._scene.parts_in_one.form.numbers.changing_masses)
+            masses = f"the mass of {changing} bodies" if changing else "no mass"
+            needs += [f"{masses} and no Jacobian (bodies and joints are compiled)"]
         else:
             needs += [f"the mass of {bodies} bodies"] if bodies else ["no mass (all constant, inverted once)"]
             needs += [f"the Jacobians of {joints} joints"] if joints else ["no Jacobian (no joints)"]

@@ -159,6 +159,9 @@ class MovedByKernels(Mover):
     def can_weigh(self, item: ChangedItem) -> bool:
         return self._form.numbers.can_weigh(item)
 
+    def has_same_entries(self, number: int) -> bool:
+        return self._form.numbers.has_same_entries(number)
+
     def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> set[int] | None:
         return self._form.numbers.joints_to_move(markers, objects)
 

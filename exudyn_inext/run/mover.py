@@ -88,6 +88,10 @@ class Mover:
         """Whether a body may get that mass, inertia or centre of mass between steps."""
         return False
 
+    def has_same_entries(self, number: int) -> bool:
+        """Whether matrices of an object are zero where they were, or nothing depends on that."""
+        return True
+
     def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> set[int] | None:
         """Those that have to be built as moved ones before these markers may get other places.
 

@@ -22,7 +22,7 @@ class CompiledParts:
     Args:
         form: of them.   states: how many of first order there are, last among the records of bodies.
 
-    multipliers: (m,) of the joints at the last evaluation.   subtract_inertia: see `NativeItems`.
+    multipliers: (m,) of the joints at the last evaluation.
     """
 
     def __init__(self, form: CompiledScene, states: int) -> None:
@@ -30,8 +30,13 @@ class CompiledParts:
         self._items = form.system.items
         self._bodies = self._items.bodies[: len(self._items.bodies) - states]
         self.multipliers = form.multipliers
-        self.subtract_inertia = partial(Prepared(subtract_inertia_forces), self._bodies)
+        self._subtract_inertia = partial(Prepared(subtract_inertia_forces), self._bodies)
         form.given[:] = 0.0
+
+    def subtract_inertia(self, q: Array, v: Array, forces: Array) -> None:
+        """See `NativeItems`; masses that change are those of mbs from then on."""
+        self._subtract_inertia(q, v, forces)
+        self.form.weigh()
 
     def _bound(self, protocol: Any) -> Bound:
         self.form.provide((protocol,))

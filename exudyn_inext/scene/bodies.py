@@ -88,6 +88,13 @@ class BodiesSystem:
         _set_normals(s.dofs, s.quaternion, s.reference, q, s.normal)
         _invert(masses, s.normal, s.inverse, s.lever)
 
+    def mass_at(self, first: int) -> Array:
+        """(k, k) memory of the variable mass of a block, by the first of its coordinates."""
+        found = ((s, b) for s in self._variable for b in np.flatnonzero(s.dofs[:, 0] == first))
+        stack, block = next(found)
+        mass: Array = stack.mass[block]
+        return mass
+
     def kinetic_energy(self, v: Array) -> float:
         """v . M v / 2 [J] with the masses at present.   v: (n,)."""
         twice = float(v @ (self._constant_mass @ v))

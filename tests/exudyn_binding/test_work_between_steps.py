@@ -15,6 +15,7 @@ from exudyn.itemInterface import (
     MarkerNodeCoordinate,
     MarkerNodeRigid,
     MassPoint2D,
+    Node1D,
     NodeGenericODE1,
     NodePoint,
     NodeRigidBody2D,
@@ -125,6 +126,23 @@ def centre_of_mass_that_moves(model):
     return lambda t: model.set_object(body, centerOfMass=[0.08 * np.sin(9 * t), 0.05 * np.sin(6 * t)])
 
 
+def matrices_that_change(model):
+    """Of two masses, one of which pulls at the tip."""
+    mbs = model.mbs
+    nodes = [mbs.AddNode(Node1D(referenceCoordinates=[0.0])) for _ in range(2)]
+    number = mbs.AddObject(ObjectGenericODE2(nodeNumbers=nodes, massMatrix=np.eye(2)))
+    ends = (nodes[0], 0), (model.nodes[-1], 1)
+    markers = [mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=n, coordinate=k)) for n, k in ends]
+    mbs.AddObject(CoordinateSpringDamper(markerNumbers=markers, stiffness=20, damping=0.5))
+    chain = np.array([[2.0, -1.0], [-1.0, 1.0]])
+
+    def change(t):
+        model.set_object(number, stiffnessMatrix=(20 + 60 * t) * chain, dampingMatrix=3 * t * chain)
+        model.set_object(number, forceVector=[2.0 * np.sin(9 * t), 1.0])
+
+    return change
+
+
 STAY_COMPILED = [
     driven_mass,
     moving_support,
@@ -134,6 +152,7 @@ STAY_COMPILED = [
     ground_that_moves,
     marker_that_moves_on_a_body,
     body_that_gets_heavier,
+    matrices_that_change,
     centre_of_mass_that_moves,
 ]
 
@@ -146,9 +165,10 @@ def heavier_where_exudyn_gives_the_forces(model):
 
 
 def heavier_where_exudyn_evaluates_all(model):
-    node = model.mbs.AddNode(NodePoint(referenceCoordinates=[0, 1, 0], initialCoordinates=[0.1, 0, 0]))
+    start = {"referenceCoordinates": [0, 1, 0], "initialCoordinates": [0.1, 0, 0]}
+    nodes, coupled = [model.mbs.AddNode(NodePoint(**start)) for _ in range(3)], np.eye(9) + 0.1
     model.mbs.AddObject(
-        ObjectGenericODE2(nodeNumbers=[node], massMatrix=np.eye(3), stiffnessMatrix=10 * np.eye(3))
+        ObjectGenericODE2(nodeNumbers=nodes, massMatrix=coupled, stiffnessMatrix=10 * np.eye(9))
     )
     return body_that_gets_heavier(model)
 

@@ -10,6 +10,7 @@ from exudyn.itemInterface import (
     CoordinateConstraint,
     CoordinateSpringDamper,
     CoordinateSpringDamperExt,
+    CoordinateVectorConstraint,
     DistanceConstraint,
     GenericJoint,
     LoadCoordinate,
@@ -20,19 +21,26 @@ from exudyn.itemInterface import (
     MarkerBodyMass,
     MarkerBodyPosition,
     MarkerBodyRigid,
+    MarkerKinematicTreeRigid,
     MarkerNodeCoordinate,
+    MarkerNodeCoordinates,
     MarkerNodePosition,
     MarkerNodeRigid,
     MarkerNodeRotationCoordinate,
     Node1D,
     NodeGenericData,
     NodeGenericODE1,
+    NodeGenericODE2,
+    NodePoint,
+    NodePoint2D,
     NodePointGround,
     NodeRigidBody2D,
     ObjectContactCircleCable2D,
     ObjectContactFrictionCircleCable2D,
     ObjectGenericODE1,
+    ObjectGenericODE2,
     ObjectJointRollingDisc,
+    ObjectKinematicTree,
     ObjectMass1D,
     ObjectMassPoint,
     ObjectRigidBody2D,
@@ -507,6 +515,54 @@ def drums(b):
     b.mbs.AddLoad(LoadCoordinate(markerNumber=turn, load=0.7))
 
 
+def matrices(b):
+    """Point masses on springs, coupled masses that a gyroscope damps, and springs of a node of the cable."""
+    kind = NodePoint2D if b.dimension == 2 else NodePoint
+    points = [b.mbs.AddNode(kind(referenceCoordinates=[x] * b.dimension)) for x in (0.7, 0.2)]
+    size = 2 * b.dimension
+    springs = 40.0 * np.kron([[2, -1], [-1, 1]], np.eye(b.dimension))
+    masses = {
+        "massMatrix": np.diag(b.random.uniform(0.1, 0.3, size)),
+        "forceVector": b.random.normal(size=size),
+    }
+    b.mbs.AddObject(ObjectGenericODE2(nodeNumbers=points, stiffnessMatrix=springs, **masses))
+    at_point = b.mbs.AddMarker(MarkerNodePosition(nodeNumber=points[1]))
+    b.mbs.AddObject(SpringDamper(markerNumbers=[at_point, b.position(0)], stiffness=30, referenceLength=0.1))
+    start = {"referenceCoordinates": [0.3] * 4, "initialCoordinates": [0.1, 0, 0.2, 0]}
+    wheel = b.mbs.AddNode(
+        NodeGenericODE2(**start, initialCoordinates_t=[0, 1, 0, 1], numberOfODE2Coordinates=4)
+    )
+    mass, turn = np.diag([0.1, 0.2, 0.3, 0.4]), np.diag([0.2] * 3, 1)
+    mass[0, 1] = mass[1, 0] = 0.05
+    law = {"massMatrix": mass, "stiffnessMatrix": np.diag([30.0] * 4), "dampingMatrix": turn - turn.T}
+    b.mbs.AddObject(ObjectGenericODE2(nodeNumbers=[wheel], **law))
+    width, ends = 2 * b.dimension, [b.cable["nodes"][-1], wheel]
+    tie = np.zeros((width + 4, width + 4))
+    tie[np.ix_([1, width], [1, width])] = [[20.0, -15.0], [-25.0, 20.0]]
+    b.mbs.AddObject(ObjectGenericODE2(nodeNumbers=ends, stiffnessMatrix=tie, dampingMatrix=0.01 * tie))
+
+
+def coordinate_vectors(b):
+    """Sums of coordinates of a body and of a node of the cable, and of a mass point on the ground."""
+    body, tip = (MarkerNodeCoordinates(nodeNumber=node) for node in (b.nodes[1], b.cable["nodes"][-1]))
+    width = 3 * (b.dimension - 1)
+    b.mbs.AddObject(
+        CoordinateVectorConstraint(
+            markerNumbers=[b.mbs.AddMarker(marker) for marker in (body, tip)],
+            scalingMarker0=b.random.normal(size=(2, width)),
+            scalingMarker1=b.random.normal(size=(2, 2 * b.dimension)),
+            offset=[0.1, 0.2],
+        )
+    )
+    point = b.mbs.CreateMassPoint(
+        mass=0.3, referencePosition=[0.5, 0.7, 0], gravity=[3, -9, 0], returnDict=True
+    )
+    nodes = b.mbs.AddNode(NodePointGround()), point["nodeNumber"]
+    ground = [b.mbs.AddMarker(MarkerNodeCoordinates(nodeNumber=node)) for node in nodes]
+    law = {"scalingMarker1": np.array([[1.0, 0.4, 0.0]]), "offset": [0.8]}
+    b.mbs.AddObject(CoordinateVectorConstraint(markerNumbers=ground, scalingMarker0=[], **law))
+
+
 def held_point(b):
     """A mass point one of whose coordinates is held pulls at the cable's tip by a spring."""
     way = {"referencePosition": [1.5, 0.3, 0.0], "initialVelocity": [0.5, 0.0, 0.0]}
@@ -639,6 +695,7 @@ KINDS = [
     weights,
     coordinate_loads,
     mass_points,
+    matrices,
     circles,
     spherical_joint,
     revolute_joint,
@@ -652,6 +709,7 @@ KINDS = [
     geared_angles,
     held_point,
     drums,
+    coordinate_vectors,
     clamp,
     general_contact,
     shared_nodes,
@@ -872,6 +930,35 @@ def test_bodies_and_joints_are_compiled_where_forces_are_not(kind, dimension, mo
     with_compiled_parts([kind], len(kind.__name__), dimension, "RATTLE", monkeypatch, tolerance)
 
 
+def robot(b):
+    """A tree of links: its mass depends on its coordinates, of which two are geared."""
+    kinds, number = exudyn.JointType, 4
+    start = {"referenceCoordinates": [0.0] * number, "initialCoordinates": [0.3, -0.4, -0.8, 0.1]}
+    speeds = {"initialCoordinates_t": [2.0, 0.5, 1.0, -0.3], "numberOfODE2Coordinates": number}
+    node = b.mbs.AddNode(NodeGenericODE2(**start, **speeds))
+    frames, inertia = exudyn.Matrix3DList([np.eye(3)] * number), 1e-3 * np.diag([1, 2, 3])
+    links = {
+        "jointTypes": [kinds.RevoluteZ, kinds.RevoluteY, kinds.RevoluteX, kinds.PrismaticX],
+        "linkParents": [-1, 0, 1, 2],
+        "jointTransformations": frames,
+        "jointOffsets": exudyn.Vector3DList([[1.3, 0.5, 0]] + [[0.3, 0, 0]] * 3),
+        "linkInertiasCOM": exudyn.Matrix3DList([inertia] * number),
+        "linkCOMs": exudyn.Vector3DList([[0.15, 0.02, 0.05]] * number),
+        "linkMasses": [0.3] * number,
+    }
+    tree = b.mbs.AddObject(ObjectKinematicTree(nodeNumber=node, gravity=[0, -9.81, 0], **links))
+    hand = MarkerKinematicTreeRigid(objectNumber=tree, linkNumber=number - 1, localPosition=[0.3, 0, 0])
+    pair = [b.mbs.AddMarker(hand), b.on_cable()]
+    b.mbs.AddObject(SpringDamper(markerNumbers=pair, stiffness=40, referenceLength=0.4))
+    geared = [b.coordinate(node, k) for k in (1, 2)]
+    b.mbs.AddObject(CoordinateConstraint(markerNumbers=geared, factor1=0.5))
+
+
+@every_integrator
+def test_bodies_are_compiled_whose_mass_exudyn_says_at_each_evaluation(integrator, dimension, monkeypatch):
+    with_compiled_parts([robot, spring], 5, dimension, integrator, monkeypatch, OF_JOINTS)
+
+
 def filtered(b):
     """A force that two states of first order let rise."""
     size = {"referenceCoordinates": [0.0, 0.0], "initialCoordinates": [0.5, 0.0]}
@@ -899,11 +986,12 @@ def test_under_all_kinds_of_forces_bodies_and_joints_may_be_compiled(integrator,
     with_compiled_parts(kinds, 8, dimension, integrator, monkeypatch, OFF_UNITY[integrator])
 
 
+@pytest.mark.parametrize("item", [spherical_joint, robot])
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_the_energy_of_compiled_bodies_under_forces_of_exudyn_is_kept(dimension):
+def test_the_energy_of_compiled_bodies_under_forces_of_exudyn_is_kept(dimension, item):
     """Of bodies that turn about points off their centres of mass: the damper takes what they lose."""
     builder = Builder(4, dimension)
-    for kind in (spring, of_a_function, spherical_joint):
+    for kind in (spring, of_a_function, item):
         kind(builder)
     builder.mbs.Assemble()
     explicit = ExplicitSettings(stepSize=2e-4, startTolerance=100.0)

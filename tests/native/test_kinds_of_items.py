@@ -5,11 +5,13 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import (
     CoordinateConstraint,
+    CoordinateVectorConstraint,
     LoadForceVector,
     MarkerBodiesRelativeRotationCoordinate,
     MarkerBodyPosition,
     MarkerBodyRigid,
     MarkerNodeCoordinate,
+    MarkerNodeCoordinates,
     NodeGenericODE1,
     NodeGenericODE2,
     NodePointGround,
@@ -141,6 +143,35 @@ def matrices_and_a_user_function(mbs):
     return node
 
 
+def matrices_geared_to_a_mass(mbs):
+    """A sum of two coordinates, of matrices that damp and gyrate, follows those of a mass point."""
+    start = {"referenceCoordinates": [0.5, 0], "initialCoordinates": [0.1, 0], "initialCoordinates_t": [0, 0]}
+    node = mbs.AddNode(NodeGenericODE2(**start, numberOfODE2Coordinates=2))
+    mbs.AddObject(
+        ObjectGenericODE2(
+            nodeNumbers=[node],
+            massMatrix=np.array([[2.0, 0.5], [0.5, 1.0]]),
+            stiffnessMatrix=np.array([[50.0, -20.0], [-20.0, 30.0]]),
+            dampingMatrix=np.array([[0.5, 3.0], [-3.0, 0.5]]),
+            forceVector=[0.0, 2.0],
+        )
+    )
+    point = mbs.CreateMassPoint(mass=0.4, referencePosition=[1, 0, 0], gravity=GRAVITY, returnDict=True)
+    markers = [mbs.AddMarker(MarkerNodeCoordinates(nodeNumber=n)) for n in (node, point["nodeNumber"])]
+    weights = {"scalingMarker0": np.array([[1.0, 0.7]]), "scalingMarker1": np.array([[1.0, 2.0, 0.0]])}
+    mbs.AddObject(CoordinateVectorConstraint(markerNumbers=markers, offset=[0.4], **weights))
+    return node
+
+
+def point_on_an_inclined_line(mbs):
+    """Both markers of the constraint have coordinates of one node."""
+    start = {"referencePosition": [0, 1, 0], "initialVelocity": [0.6, 1.2, 0]}
+    point = mbs.CreateMassPoint(mass=0.4, gravity=[3, -9.81, 0], **start, returnDict=True)
+    pair = [mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=point["nodeNumber"], coordinate=k)) for k in (1, 0)]
+    mbs.AddObject(CoordinateConstraint(markerNumbers=pair, factor1=2.0))
+    return point["nodeNumber"]
+
+
 def body_that_turns_with_a_function(mbs):
     body = rigid(mbs, InertiaCuboid(1000, [0.1, 0.2, 0.3]), referencePosition=[0.1, 0, 0], gravity=GRAVITY)
     bodies = [mbs.CreateGround(), body["bodyNumber"]]
@@ -165,6 +196,8 @@ ITEMS = [
     body_on_a_generic_joint,
     disc_that_rolls_by_penalty,
     matrices_and_a_user_function,
+    matrices_geared_to_a_mass,
+    point_on_an_inclined_line,
     body_that_turns_with_a_function,
 ]
 

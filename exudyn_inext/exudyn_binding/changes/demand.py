@@ -19,7 +19,15 @@ from ...scene.model import Scene
 _JACOBIAN = exudyn.ComputeItemType.ConstraintJacobian
 _PLACES = ("offset", "distance")
 _PARAMETERS = "offsetUserFunctionParameters"
-_FORCES_OF_TREES = ("gravity", "jointForceVector", "jointPositionOffsetVector", "jointVelocityOffsetVector")
+_FORCES = {  # parameters of objects with mass that change their forces alone
+    "GenericODE2": ("stiffnessMatrix", "dampingMatrix", "forceVector"),
+    "KinematicTree": (
+        "gravity",
+        "jointForceVector",
+        "jointPositionOffsetVector",
+        "jointVelocityOffsetVector",
+    ),
+}
 
 
 class Demand(IntEnum):
@@ -64,7 +72,8 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
     if _JACOBIAN in mbs.ComputeItem(ObjectIndex(key.number)):
         return _demand_of_joint(coupled, own, key, data)
     is_force = "markerNumbers" in data  # of a connector, or contact
-    is_force |= kind == "KinematicTree" and key.name in _FORCES_OF_TREES
+    if key.name in _FORCES.get(kind, ()):
+        is_force = all(run.mover.has_same_entries(key.number) for run in coupled)
     return Demand.EVALUATE if is_force else Demand.BUILD
 
 

@@ -1,12 +1,13 @@
 """Mass points, rigid bodies, and masses with one coordinate, as records."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 
-from ...arrays import Array
+from ...arrays import Array, collected
 from ...items.arguments import described
 from ...multibody.bodies import BODY, place_body
 from ..bodies import Body
@@ -22,35 +23,61 @@ _COORDINATES = {
     "RigidBodyRxyz": (3, 3),
     "RigidBodyEP": (3, 4),
 }
+_OF_MATRICES = {"GenericODE2", "KinematicTree"}  # objects whose coordinates are nothing but coordinates
+_POINTS = {"Point", "Point2D"}  # nodes, each of which is one body: markers lie there
+_NODES = {*_POINTS, "1D", "GenericODE2"}  # whose masses are those of their coordinates
 MOST_CONDITION = 1e15  # of a mass
+MOST = 6  # coordinates of a body that does not turn
 _OBJECTS = {"Mass1D", "RotationalMass1D", "MassPoint", "MassPoint2D", "RigidBody2D", "RigidBody"}
 # numbers of translations and rotations -> directions in which a body can move, of the frame of the body
 _FREE = {
-    (1, 0): [0],
-    (2, 0): [0, 1],
-    (3, 0): [0, 1, 2],
+    **{(size, 0): list(range(size)) for size in range(1, MOST + 1)},
     (2, 1): [0, 1, 5],
     (3, 3): [0, 1, 2, 3, 4, 5],
     (3, 4): [0, 1, 2, 3, 4, 5],
 }
 
 
-def read_body_records(mbs: Any, bodies: Sequence[Body], coordinates: CoordinateMap, q: Array) -> Any:
-    """(B,) records; those that turn by quaternions first.
+class KnownBodies(NamedTuple):
+    """records: (B,), those that turn by quaternions first.   numbers: of records, by those of the objects.
+
+    Objects of matrices have any number of records, and no number.
+    changing: bodies whose masses Exudyn says, by numbers of records.
+    """
+
+    records: Any
+    numbers: dict[int, int]
+    changing: dict[int, Body]
+
+
+def read_body_records(
+    mbs: Any, bodies: Sequence[Body], coordinates: CoordinateMap, q: Array, may_change: bool
+) -> KnownBodies:
+    """Read them.
 
     Args:
         mbs: in the configuration q (n,).   bodies: all objects with mass but the cables.
+        may_change: whether Exudyn may say masses at each evaluation.
 
     Raises:
         UnknownItemError: one has no compiled form.
     """
-    records = np.zeros(len(bodies), BODY)
-    for number, body in enumerate(bodies):
-        _read_body(mbs, body, coordinates, q, records[number : number + 1])
-    firsts = set(records["first"].tolist())
-    if len(firsts) < len(bodies):
+    found: list[tuple[Body, bool, Any]] = []  # whether it has one record, and this
+    for body in bodies:
+        data = mbs.GetObject(body.number)
+        if data["objectType"] in _OF_MATRICES:
+            own = _bodies_of_matrix(mbs, body, data, coordinates, may_change)
+            found += [(body, False, record) for record in own]
+        else:
+            found.append((body, True, _read_body(mbs, body, data, coordinates, q)))
+    found.sort(key=lambda one: one[2]["rotations"] != 4)
+    records = collected(BODY, [record for _, _, record in found])
+    places = {place for body in bodies for place in body.coordinates.tolist()}
+    if int((records["translations"] + records["rotations"]).sum()) > len(places):
         raise UnknownItemError("two bodies on one node")
-    return records[np.argsort(records["rotations"] != 4, kind="stable")]
+    numbers = {body.number: k for k, (body, is_alone, _) in enumerate(found) if is_alone}
+    of_matrices = ((k, body) for k, (body, is_alone, _) in enumerate(found) if not is_alone)
+    return KnownBodies(records, numbers, {k: body for k, body in of_matrices if not body.has_constant_mass})
 
 
 def first_order_records(first: int, number: int) -> Any:
@@ -61,9 +88,7 @@ def first_order_records(first: int, number: int) -> Any:
     return records
 
 
-def _read_body(mbs: Any, body: Body, coordinates: CoordinateMap, q: Array, record: Any) -> None:
-    """record: (1,) output."""
-    data = mbs.GetObject(body.number)
+def _read_body(mbs: Any, body: Body, data: dict[str, Any], coordinates: CoordinateMap, q: Array) -> Any:
     name = described(data, body.number)
     if data["objectType"] not in _OBJECTS:
         raise UnknownItemError(name)
@@ -73,21 +98,73 @@ def _read_body(mbs: Any, body: Body, coordinates: CoordinateMap, q: Array, recor
         raise UnknownItemError(f"{name} on a node {node['nodeType']}")
     kind = _COORDINATES[node["nodeType"]]
     places = [coordinates.place(c) for c in body.coordinates.tolist()]
-    if places != list(range(places[0], places[0] + sum(kind))) or places[0] < 0:
-        raise UnknownItemError(f"{name}, whose coordinates are held")
-    reference = np.asarray(node["referenceCoordinates"], dtype=float)
-    record["first"], record["translations"], record["rotations"] = places[0], *kind
-    fields = SimpleNamespace(**{name: record[name][0] for name in BODY.names or ()})  # read faster
-    fields.reference[: kind[0]] = reference[: kind[0]]
-    fields.reference[3 : 3 + kind[1]] = reference[kind[0] :][: kind[1]]
-    fields.orientation[:] = np.eye(3)
-    fields.rates[2, 0] = fields.inverse_rates[0, 2] = 1.0  # in the plane
+    record, fields = _new_record(name, places, kind, np.asarray(node["referenceCoordinates"], dtype=float))
     place_body(fields, q)
     if not (body.has_constant_mass or body.tells_mass):
         raise UnknownItemError(f"{name}, of which Exudyn does not tell the mass")
     mass = body.initial_mass if body.has_constant_mass else body.mass(mbs)
     if not set_mass(fields, mass_in_frame(fields, mass)):
         raise UnknownItemError(f"{name}, which has no mass in one direction")
+    return record
+
+
+def _new_record(
+    name: str, places: Sequence[int], kind: tuple[int, int], reference: Array
+) -> tuple[Any, SimpleNamespace]:
+    """A record without mass, and its fields, which are read faster; UnknownItemError unless it is one block.
+
+    places: of its coordinates in the vectors of all parts.   kind: numbers of translations and rotations.
+    """
+    if list(places) != list(range(places[0], places[0] + sum(kind))) or places[0] < 0:
+        raise UnknownItemError(f"{name}, whose coordinates are held, or do not follow each other")
+    records = np.zeros(1, BODY)
+    records["first"], records["translations"], records["rotations"] = places[0], *kind
+    fields = SimpleNamespace(**{name: records[name][0] for name in BODY.names or ()})
+    fields.reference[: kind[0]] = reference[: kind[0]]
+    fields.reference[3 : 3 + kind[1]] = reference[kind[0] :][: kind[1]]
+    fields.orientation[:] = np.eye(3)
+    fields.rates[2, 0] = fields.inverse_rates[0, 2] = 1.0  # in the plane
+    return records[0], fields
+
+
+def _bodies_of_matrix(
+    mbs: Any, body: Body, data: dict[str, Any], coordinates: CoordinateMap, may_change: bool
+) -> Iterator[Any]:
+    """Records of an object: one for those coordinates that its mass matrix couples, or of a node of points.
+
+    Raises:
+        UnknownItemError: the mass changes, or couples too many coordinates, or such as turn.
+    """
+    name = described(data, body.number)
+    numbers = data["nodeNumbers"] if "nodeNumbers" in data else [data["nodeNumber"]]
+    nodes = [mbs.GetNode(number) for number in numbers]
+    if not all(node["nodeType"] in _NODES for node in nodes):
+        raise UnknownItemError(f"{name} on nodes that turn")
+    if not (body.has_constant_mass or (may_change and body.tells_mass)):
+        raise UnknownItemError(f"{name}, whose mass changes")
+    places = np.array([coordinates.place(c) for c in body.coordinates.tolist()])
+    reference = np.concatenate([node["referenceCoordinates"] for node in nodes])
+    number, labels = scipy.sparse.csgraph.connected_components(_coupled(body, nodes))
+    for own in (np.flatnonzero(labels == label) for label in range(number)):
+        size = len(own)
+        if size > MOST:
+            raise UnknownItemError(f"{name}, whose mass couples more than {MOST} coordinates")
+        record, fields = _new_record(name, places[own].tolist(), (size, 0), reference[own])
+        mass = np.zeros((6, 6))
+        mass[:size, :size] = body.initial_mass[np.ix_(own, own)]
+        if not set_mass(fields, mass):
+            raise UnknownItemError(f"{name}, which has no mass in one direction")
+        yield record
+
+
+def _coupled(body: Body, nodes: Sequence[dict[str, Any]]) -> np.ndarray:
+    """(n, n) which coordinates belong together; all, if other ones may do so later."""
+    meet, begin = (body.initial_mass != 0.0) | (not body.has_constant_mass), 0
+    for node in nodes:
+        end = begin + len(node["referenceCoordinates"])
+        meet[begin:end, begin:end] |= node["nodeType"] in _POINTS
+        begin = end
+    return meet
 
 
 def set_mass(body: Any, mass: Array) -> bool:

@@ -314,15 +314,31 @@ def _coordinate(data: dict[str, Any], name: str, reader: PointReader) -> list[An
     return [joint.row(DIFFERENCE, factor=factor, offset=data["offset"])]
 
 
-def _of_slope(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
-    """A slope that follows a body, see `items.attach.clamp_to_body`, or another slope, see `shared_node`."""
+def _of_vector(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+    """Of coordinates; or of a slope that follows a body, see `clamp_to_body`, or another slope."""
     function = data["constraintUserFunction"]
-    meaning = getattr(function["function"], "meaning", None) if function else None
+    if not function:
+        return _coordinates(data, name, reader)
+    meaning = getattr(function["function"], "meaning", None)
     if isinstance(meaning, Clamp):
         return _clamp(meaning, reader)
     if isinstance(meaning, SameSlope):
         return _same_slope(meaning, reader)
     raise UnknownItemError(name)
+
+
+def _coordinates(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+    """Sums of the coordinates of nodes."""
+    require_no_functions(data, name)
+    nodes = [reader.node_of_coordinates(number) for number in data["markerNumbers"]]
+    if any(np.any(data[f"quadraticTermMarker{k}"]) for k in range(2)):
+        raise UnknownItemError(f"{name} with quadratic terms")
+    rows = []
+    for k, offset in enumerate(data["offset"]):
+        weights = [data[f"scalingMarker{side}"][k : k + 1].ravel() for side in range(2)]
+        one, other = map(reader.combination, nodes, weights)
+        rows.append(_Joint((one, other), np.zeros((2, 3, 3))).row(DIFFERENCE, offset=offset))
+    return rows
 
 
 def _same_slope(same: SameSlope, reader: PointReader) -> list[Any]:
@@ -351,5 +367,5 @@ _READERS: dict[str, Callable[..., list[Any]]] = {
     "JointRollingDisc": _rolling_disc,
     "ConnectorDistance": _distance,
     "ConnectorCoordinate": _coordinate,
-    "ConnectorCoordinateVector": _of_slope,
+    "ConnectorCoordinateVector": _of_vector,
 }

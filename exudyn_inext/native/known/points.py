@@ -88,6 +88,13 @@ class PointReader:
             return self.centre_of_mass(int(data["bodyNumber"]))
         raise UnknownItemError(f"marker {number} '{data['name']}' ({kind})")
 
+    def node_of_coordinates(self, number: int) -> int:
+        """The node whose coordinates a marker gives; UnknownItemError of others."""
+        data = self._mbs.GetMarker(number)
+        if data["markerType"] != "NodeCoordinates":
+            raise UnknownItemError(f"marker {number} '{data['name']}' ({data['markerType']})")
+        return int(data["nodeNumber"])
+
     def _add(self, point: Any, turn: Array = _ALONG, has_frame: bool = False) -> Place:
         self._points.append(point)
         return Place(len(self._points) - 1, turn, has_frame)
@@ -150,13 +157,13 @@ class PointReader:
         """A point of a body.   body: number of its record.   local: (3,) in its frame.
 
         Raises:
-            UnknownItemError: a mass point has no frame; where a point of a body with one coordinate lies, its
-                record does not say.
+            UnknownItemError: a mass point has no frame; where a point of a body of one coordinate, or of
+                matrices, lies, its record does not say.
         """
         record = self._bodies[body]
         translations, rotations = int(record["translations"]), int(record["rotations"])
-        if translations == 1:
-            raise UnknownItemError("a marker on a body with one coordinate")
+        if translations not in (2, 3):
+            raise UnknownItemError(f"a marker on a body with {translations} coordinate(s)")
         if has_frame and not rotations:
             raise UnknownItemError("a marker with a frame on a mass point")
         point = _new(ON_BODY, int(record["first"]), translations + rotations)
@@ -281,16 +288,37 @@ class PointReader:
 
     def coordinate(self, number: int, which: int) -> Place:
         """A coordinate of a node, without its reference value; UnknownItemError if it is held."""
-        places, node = self._of_node(number)
-        if not len(places):
+        return self.combination(number, np.eye(1, which + 1, which)[0], has_reference=False)
+
+    def combination(self, number: int, weights: Array, has_reference: bool = True) -> Place:
+        """A weighted sum of the first coordinates of a node, with or without their reference values.
+
+        Raises:
+            UnknownItemError: one of them is held, or they belong to several bodies.
+        """
+        system, node = self._of_node(number)
+        which = np.flatnonzero(weights)
+        if not len(system) or not len(which):
             return self.fixed(np.zeros(3), has_frame=False)
-        place = self._coordinates.place(places[which])
-        if place < 0:
-            raise UnknownItemError(f"coordinate {which} of node {number} '{node['name']}', which is held")
-        point = _new(COORDINATE, place, 1)
-        point["local"][0] = -self._coordinates.reference[place]
-        point["along"][0, 0] = 1.0
+        own = slice(which[0], which[-1] + 1)
+        places = [self._coordinates.place(c) for c in system[own]]
+        if min(places) < 0 or not self._are_together(places):
+            raise UnknownItemError(
+                f"coordinate {which[0]} of node {number} '{node['name']}', which is held, or in another body "
+                "than the next ones"
+            )
+        point = _new(COORDINATE, places[0], len(places))
+        reference = has_reference * np.asarray(node["referenceCoordinates"])[own]
+        point["local"][0] = weights[own] @ (reference - self._coordinates.reference[places])
+        point["along"][0, : len(places)] = weights[own]
         return self._add(point)
+
+    def _are_together(self, places: list[int]) -> bool:
+        """Whether coordinates of one node belong to a cable, or to one body."""
+        first, bodies = places[0], self._bodies
+        width = bodies["translations"] + bodies["rotations"]
+        in_body = (bodies["first"] <= first) & (places[-1] < bodies["first"] + width)
+        return first < self._on_cables or bool(in_body.any())
 
     def angle(self, number: int, axis: int) -> Place:
         """An angle of the body on a node; UnknownItemError if there is none."""

@@ -14,17 +14,21 @@ from ...items.attach.inert import is_inert_cable
 from ...items.parameters import Parameter, markers_placed_by
 from ...multibody.build import KnownItems
 from ...multibody.connectors import CONNECTOR
+from ...multibody.linear_forces import LINEAR_FORCE
 from ...multibody.loads import LOAD, NONE
 from ...multibody.scene import Items
 from ...run.compiled_scene import ChangedItem
 from ...run.load_functions import Asked
 from ...run.moved_offsets import MovedOffsets
+from ..changing_masses import ChangingMass, weigh
+from ..coordinates import CoordinateMap
 from ..evaluated_scene import SceneOfExudyn
 from .bodies import first_order_records, mass_of_parameters, read_body_records, set_mass
 from .connectors import VALUES, KnownConnector, read_connector
 from .contacts import ContactReader
 from .general_contacts import read_general_contacts
 from .joints import read_rows
+from .linear_forces import OF_MATRICES, read_linear_forces
 from .loads import KnownLoad, read_load
 from .points import PointReader
 from .unknown import UnknownItemError
@@ -49,10 +53,7 @@ def read_known_items(
     states = mbs.systemData.ODE1Size()
     if has_forces and states:
         raise UnknownItemError("states of first order")
-    records = read_body_records(mbs, bodies, coordinates, q)
-    firsts = [coordinates.place(int(body.coordinates[0])) for body in bodies]
-    order = {int(first): number for number, first in enumerate(records["first"])}
-    of_bodies = {body.number: order[first] for body, first in zip(bodies, firsts, strict=True)}
+    records, of_bodies, changing = read_body_records(mbs, bodies, coordinates, q, not has_forces)
     if states:
         records = np.append(records, first_order_records(len(coordinates.indices), states))
     reader = PointReader(mbs, coordinates, coordinates.slices[-1].start, records, of_bodies)
@@ -60,7 +61,10 @@ def read_known_items(
     of_cables = (part.cable.number for part in scene.cables)
     done = {*of_bodies, *scene.elsewhere, *of_cables, *(joint.number for joint in scene.joints)}
     others = 3 * (len(functions) + len(of_moved.joints))
-    items = KnownNumbers(mbs, reader, others, of_moved, movable, of_bodies, follows_state)
+    items = KnownNumbers(mbs, coordinates, reader, others, of_moved, movable, of_bodies, follows_state)
+    for record, body in changing.items():
+        block = scene.body_system.mass_at(int(records["first"][record]) - coordinates.slices[-1].start)
+        items.changing_masses.append(ChangingMass(record, body, block))
     touching = ContactReader(mbs, reader, scene.friction.numbers)
     if has_forces:
         for number in range(mbs.systemData.NumberOfObjects()):
@@ -78,7 +82,7 @@ def read_known_items(
                 "GeneralContact beside what keeps data: circles, or springs that turn or rub"
             )
         contacts = general
-    known = records, reader.records, sliders, rows, springs, loads, contacts, functions
+    known = records, reader.records, sliders, rows, springs, items.linear_forces, loads, contacts, functions
     return KnownItems(*known), items
 
 
@@ -93,6 +97,7 @@ class KnownNumbers:
     def __init__(
         self,
         mbs: Any,
+        coordinates: CoordinateMap,
         reader: PointReader,
         others: int,
         moved: MovedOffsets,
@@ -100,14 +105,18 @@ class KnownNumbers:
         bodies: dict[int, int],
         follows_state: bool,
     ) -> None:
-        self._mbs, self._reader, self._others, self.moved = mbs, reader, others, moved
+        self._mbs, self._coordinates, self._reader = mbs, coordinates, reader
+        self._others, self.moved = others, moved
         self._movable, self._bodies = movable, bodies
         self._markers_placed_by = cache(partial(markers_placed_by, mbs))
         self._follows_state = follows_state
         self.connectors: list[Any] = []
+        self.linear_forces: Any = np.zeros(0, LINEAR_FORCE)
         self.loads: list[Any] = []
         self.functions: list[Asked] = []
+        self.changing_masses: list[ChangingMass] = []
         self._springs: dict[int, tuple[int, KnownConnector]] = {}  # place of each, by its number
+        self._matrices: dict[int, slice] = {}  # places of their linear forces
         self._forces: dict[int, tuple[int, KnownLoad]] = {}
 
     def add_object(self, number: int) -> None:
@@ -115,6 +124,11 @@ class KnownNumbers:
         data = self._mbs.GetObject(number)
         is_inert = data["objectType"] == "Ground" or is_inert_cable(data)
         if is_inert or self._reader.is_on_other_node(data):
+            return
+        if data["objectType"] == "GenericODE2":
+            begin = len(self.linear_forces)
+            self.linear_forces = np.append(self.linear_forces, self._read_matrices(number))
+            self._matrices[number] = slice(begin, len(self.linear_forces))
             return
         is_active = data.get("activeConnector", True)
         with nullcontext() if is_active else suppress(UnknownItemError):  # to be switched on, it may be
@@ -132,6 +146,11 @@ class KnownNumbers:
             self.functions.append(read.function)
         self._forces[number] = len(self.loads), read
         self.loads.append(read.record)
+
+    def weigh(self, memories: Sequence[Items]) -> None:
+        """Masses that change, as mbs is; see `weigh`."""
+        if self.changing_masses:
+            weigh(self._mbs, self.changing_masses, [memory.bodies for memory in memories])
 
     def can_weigh(self, item: ChangedItem) -> bool:
         """See `Mover.can_weigh`: the mass must be that of the parameters, and no function its weight.
@@ -173,8 +192,10 @@ class KnownNumbers:
 
         memories: of all systems that have them; connectors and loads are the same ones in all of them.
         """
-        kind, number, _ = item
+        kind, number, name = item
         connectors, loads = memories[0].connectors, memories[0].loads
+        if kind == "Object" and number in self._matrices:
+            return name in OF_MATRICES and self._matrices_again(number, memories[0].linear_forces)
         if kind == "Object" and number in self._bodies:
             return self._weigh_again(number, memories)
         if kind == "Marker" or number not in (self._forces if kind == "Load" else self._springs):
@@ -187,6 +208,20 @@ class KnownNumbers:
         except UnknownItemError:
             return False
         return is_known and self._reader.number_of_points == before
+
+    def _read_matrices(self, number: int) -> Any:
+        return read_linear_forces(self._mbs, number, self._coordinates)
+
+    def _matrices_again(self, number: int, linear_forces: Any) -> bool:
+        linear_forces[self._matrices[number]] = self._read_matrices(number)
+        return True
+
+    def has_same_entries(self, number: int) -> bool:
+        """Whether matrices of an object are zero where they were when they were read."""
+        if number not in self._matrices:
+            return True
+        found, own = self._read_matrices(number), self.linear_forces[self._matrices[number]]
+        return all(np.array_equal(found[name], own[name]) for name in ("row", "column"))
 
     def _place_again(self, item: ChangedItem, memories: Sequence[Items]) -> bool:
         markers = self._markers_placed_by(Parameter(*item))
