@@ -22,7 +22,7 @@ class CompiledParts:
     Args:
         form: of them.   states: how many of first order there are, last among the records of bodies.
 
-    multipliers: (m,) of the joints at the last evaluation.
+    multipliers: (m,) of the joints at the last evaluation.   subtract_inertia: see `NativeItems`.
     """
 
     def __init__(self, form: CompiledScene, states: int) -> None:
@@ -31,10 +31,12 @@ class CompiledParts:
         self._bodies = self._items.bodies[: len(self._items.bodies) - states]
         self.multipliers = form.multipliers
         self._subtract_inertia = partial(Prepared(subtract_inertia_forces), self._bodies)
+        changes = form.numbers.changing_masses
+        self.subtract_inertia = self._subtract_and_weigh if changes else self._subtract_inertia
         form.given[:] = 0.0
 
-    def subtract_inertia(self, q: Array, v: Array, forces: Array) -> None:
-        """See `NativeItems`; masses that change are those of mbs from then on."""
+    def _subtract_and_weigh(self, q: Array, v: Array, forces: Array) -> None:
+        """Masses that change are those of mbs from then on."""
         self._subtract_inertia(q, v, forces)
         self.form.weigh()
 
