@@ -77,7 +77,7 @@ def is_of_time_alone(mbs: Any, user_function: Any) -> bool:
     if not user_function:
         return False
     function = user_function["function"]
-    said = _said_of(function, _SAID.get(mbs))
+    said = word_of(mbs, function)
     if said is not None:
         return said
     if not isinstance(function, FunctionType):
@@ -107,7 +107,7 @@ def _is_steered(function: FunctionType, steering: Sequence[Any], depth: int = 0)
         if not isinstance(other, FunctionType) or depth >= DEEPEST:
             continue
         shared = _shared(other)
-        looked = [_looked_at(code) for code in all_codes(other.__code__)]
+        looked = [looked_at(code) for code in all_codes(other.__code__)]
         if any(found.stores or found.is_open for found in looked) and any(id(one) in own for one in shared):
             return True
         if _is_steered(function, [one for one in shared if isinstance(one, FunctionType)], depth + 1):
@@ -122,10 +122,11 @@ def _shared(function: FunctionType) -> list[Any]:
     return cells + [value for value in values if isinstance(value, (*_CONTAINERS, FunctionType))]
 
 
-def _said_of(function: Any, said: bool | Sequence[Any] | None) -> bool | None:
-    """What the package knows of its own functions, and users say of theirs; None: nothing."""
+def word_of(mbs: Any, function: Any) -> bool | None:
+    """Whether it is of time alone: what is known of the package's own, and users say of theirs; or None."""
     if getattr(function, "of_time_alone", False):
         return True
+    said = _SAID.get(mbs)
     if isinstance(said, bool):
         return said
     if any(function == one for one in said or ()):
@@ -154,7 +155,7 @@ def has_sensor_functions(mbs: Any) -> bool:
     return not all(getattr(function, "onlyLooks", False) for function in functions)
 
 
-class _Code(NamedTuple):
+class Code(NamedTuple):
     """What a function does outside of itself, but for those within it.
 
     assigned: global names.   stores: whether into anything.   outer, free: names that it reads, of its module
@@ -169,7 +170,8 @@ class _Code(NamedTuple):
 
 
 @lru_cache(maxsize=256)
-def _looked_at(code: CodeType) -> _Code:
+def looked_at(code: CodeType) -> Code:
+    """What the code of a function does."""
     instructions = list(dis.get_instructions(code))
 
     def names(*operations: str) -> frozenset[str]:
@@ -177,7 +179,7 @@ def _looked_at(code: CodeType) -> _Code:
 
     assigned, around = names("STORE_GLOBAL", "DELETE_GLOBAL"), set(code.co_freevars)
     changed = names("STORE_ATTR", "IMPORT_NAME", "IMPORT_FROM") | names("STORE_DEREF") & around
-    return _Code(
+    return Code(
         assigned,
         stores=any(i.opname == "STORE_SUBSCR" or i.argval in _STORING for i in instructions),
         outer=names("LOAD_GLOBAL", "LOAD_NAME"),
@@ -236,7 +238,7 @@ class _Functions:
             return None
         called: list[FunctionType] = []
         for code in all_codes(function.__code__):
-            of_module, looked = self._of_module(code, function.__globals__), _looked_at(code)
+            of_module, looked = self._of_module(code, function.__globals__), looked_at(code)
             if of_module is None:
                 return None
             cells = {name: around[name] for name in looked.free if name in around}
@@ -252,10 +254,10 @@ class _Functions:
         """Values that code reads of its module, and built-in ones; None as of `_called_by`."""
         key = code, id(module)
         if key not in self._read:
-            self._read[key] = self._read_of_module(_looked_at(code), module)
+            self._read[key] = self._read_of_module(looked_at(code), module)
         return self._read[key]
 
-    def _read_of_module(self, found: "_Code", module: dict[str, Any]) -> list[Any] | None:
+    def _read_of_module(self, found: "Code", module: dict[str, Any]) -> list[Any] | None:
         if found.is_open:
             return None
         names = [name for name in found.outer if name in module or hasattr(builtins, name)]
@@ -296,7 +298,7 @@ def _stored_in(module: dict[str, Any]) -> set[str]:
     for value in list(module.values()):
         members = list(vars(value).values()) if isinstance(value, type) else [value]
         functions = [one for one in members if isinstance(one, FunctionType) and one.__globals__ is module]
-        for found in (_looked_at(code) for one in functions for code in all_codes(one.__code__)):
+        for found in (looked_at(code) for one in functions for code in all_codes(one.__code__)):
             read = found.outer if found.stores else ()
             names |= found.assigned | {name for name in read if isinstance(module.get(name), _CONTAINERS)}
     return names

@@ -24,12 +24,13 @@ from .functions_of_time import (
     functions_at_rest,
     is_of_time_alone,
     known_to,
+    looked_at,
     package_of,
     python_function,
     step_functions,
 )
 
-_TRUSTED = {"builtins", "numpy", "math", "exudyn", "time", "random"}
+_TRUSTED = {"builtins", "numpy", "math", "exudyn"}
 _NAMES = """
     SetLoadParameter SetObjectParameter SetMarkerParameter SetNodeParameter
     GetLoadParameter GetObjectParameter GetMarkerParameter GetNodeParameter
@@ -45,7 +46,9 @@ _OF_DATA = {
 _TYPES = {
     getattr(exudyn.OutputVariableType, name) for name in _OF_MBS if hasattr(exudyn.OutputVariableType, name)
 }
-_OPEN = {"getattr", "eval", "exec", "vars", "globals", "locals", "__import__", "compile", "open", "input"}
+_OF_STATE = {"GetSensorValues", "GetNodeOutput", "GetObjectOutputBody", "systemData"}  # of these of mbs
+_BY_NAME = {"getattr", "setattr", "delattr", "vars", "globals", "locals", "__import__"}
+_OPEN = {"eval", "exec", "compile", "open", "input", *_BY_NAME}
 _DATA = {int, float, complex, str, bool, type(None), type(NotImplemented)}
 _OF_DATACLASSES = {"dataclasses", "reprlib"}  # modules of what these classes show themselves by
 _GLOBAL = {"LOAD_GLOBAL", "LOAD_NAME"}
@@ -71,14 +74,19 @@ def look_of_item_functions(mbs: Any) -> Look:
 
     At anything, if they set something: it may act at once.
     """
+    functions = asked_item_functions(mbs)
+    return max((look_of(one, mbs, may_set=False) for one in functions), default=Look.NOTHING)
+
+
+def asked_item_functions(mbs: Any) -> list[Any]:
+    """Functions of loads and objects that may not be of time alone; not those of this package."""
     data = mbs.systemData
     items = [mbs.GetLoad(k) for k in range(data.NumberOfLoads())]
     items += [mbs.GetObject(k) for k in range(data.NumberOfObjects())]
     given = [one for item in items for key, one in item.items() if "UserFunction" in key and key[0] != "V"]
     with functions_at_rest(mbs):
         asked = [one for one in given if isinstance(one, dict) and not is_of_time_alone(mbs, one)]
-    functions = [one for one in map(python_function, asked) if package_of(one) != __name__.split(".")[0]]
-    return max((look_of(one, mbs, may_set=False) for one in functions), default=Look.NOTHING)
+    return [one for one in map(python_function, asked) if package_of(one) != __name__.split(".")[0]]
 
 
 def look_of(function: Any, mbs: Any, may_set: bool = True) -> Look:
@@ -95,17 +103,28 @@ def look_of(function: Any, mbs: Any, may_set: bool = True) -> Look:
         return Look.ANYTHING
     if not may_set and any(name.startswith("Set") for name in reached.names):
         return Look.ANYTHING
+    if not reached.names & _OF_STATE:
+        return Look.NOTHING
     return Look.SENSORS if "GetSensorValues" in reached.names else Look.MOTION
+
+
+def may_change_anything(function: Any, mbs: Any) -> bool:
+    """Whether a function may set or store what others read, as far as its code shows."""
+    reached = _Reached(mbs)
+    if not (reached.is_known(function) and reached.has_known_names()):
+        return True
+    return reached.stores or any(name.startswith("Set") for name in reached.names)
 
 
 class _Reached:
     """What a function of the user reaches: by variables of its code, and by attributes of objects.
 
-    names: of the attributes that its code takes.
+    names: of the attributes that its code takes.   stores: whether it stores into anything but variables.
     """
 
     def __init__(self, mbs: Any) -> None:
         self.names: set[str] = set()
+        self.stores = False
         self._seen: dict[int, Any] = {}  # by their addresses, which they keep
         self._objects: list[Any] = [SimpleNamespace(variables=mbs.variables)]  # and those of the user
         self._members: set[str] = set()  # of modules and objects
@@ -156,6 +175,7 @@ class _Reached:
     def _is_known_code(self, code: CodeType, outer: dict[str, Any]) -> bool:
         named = [i for i in dis.get_instructions(code) if i.opcode in dis.hasname]
         self.names.update(i.argval for i in named if i.opname not in _GLOBAL)
+        self.stores |= looked_at(code).stores or looked_at(code).is_open
         read = {i.argval for i in named if i.opname in _GLOBAL}.union(code.co_freevars) & outer.keys()
         return not read & _OPEN and all(self.is_known(outer[name]) for name in read)
 

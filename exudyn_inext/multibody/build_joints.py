@@ -175,7 +175,7 @@ def _knots_of(
     Nodes that supports hold are points of the ground. Points of crowded cables belong to no knot.
     """
     is_tie = (rows["kind"] == DIFFERENCE) & (rows["factor"] == 1.0) & (rows["offset"] == 0.0)
-    is_tie &= rows["function"] < 0
+    is_tie &= (rows["functions"] < 0).all(axis=1)
     is_tie &= ~np.isin(points["kind"][rows["points"]], (COORDINATE, ANGLE)).any(axis=1)
     begin, end = points["first"].tolist(), (points["first"] + points["width"]).tolist()
     pairs, tied = rows["points"].tolist(), is_tie.nonzero()[0].tolist()

@@ -36,7 +36,7 @@ def rows_of_dashpots(connectors: Any) -> Any:
     which, axes = np.nonzero((diagonal > 0.0) & is_simple[:, np.newaxis])
     rows = np.zeros(len(which), ROW)
     rows["kind"], rows["component"], rows["connector"] = DASHPOT, axes, which
-    rows["points"], rows["function"], rows["turning"] = connectors["points"][which], NONE, NONE
+    rows["points"], rows["functions"], rows["turning"] = connectors["points"][which], NONE, NONE
     return rows
 
 

@@ -4,14 +4,14 @@ With the distance d = x_1 - x_0 and axes e_0 and e_1 that are fixed to the point
 
     DIFFERENCE  c = f x_1i - x_0i - o        one coordinate in the global frame
     ALONG       c = (x_1 - f x_0) . e_s - o  along an axis of one of both; f = 0: x_1 is a slope
-    ACROSS      c = e_0 . e_1                axes at a right angle
+    ACROSS      c = e_0 . e_1 - o            axes at a right angle
     DISTANCE    c = |d| - o
     PARALLEL    of slopes, see `same_slope`: b = e_0, d = e_1
     ROLLING     of velocities alone, see `rolling`: n = e_0, a = e_1, r = o; c = 0
     DASHPOT     no joint, see `dashpots`: c_t is the rate of a spring's stretch; c = 0
 
-o may follow functions of time, and e_0 may turn by them in its frame: c_t = d . e_0t - o_t, or e_0t . e_1,
-where nothing else moves. A DIFFERENCE of angles counts modulo its period.
+o may follow functions of time, and e_0 may turn by them in its frame: c_t = d . e_0t - o_t, or
+e_0t . e_1 - o_t, where nothing else moves. A DIFFERENCE of angles counts modulo its period.
 """
 
 import numpy as np
@@ -33,8 +33,8 @@ ROW = record_type(
         ("axes", np.float64, (2, 3)),  # e_0 and e_1 in their frames
         ("factor", np.float64),  # f
         ("offset", np.float64),  # o, at present
-        ("rest", np.float64),  # o without what follows the time
-        ("function", np.int64),  # place of what follows the time, and its derivatives, or -1
+        ("rest", np.float64),  # o without what is added to it
+        ("functions", np.int64, (2,)),  # places of what follows the time, and is left of a way; or -1
         ("rates", np.float64, (2,)),  # o_t and o_tt
         ("period", np.float64),  # of c, or 0
         (
@@ -55,13 +55,16 @@ ROW = record_type(
 
 @inlined
 def move_rows(rows, functions):
-    """Offsets and axes at present.   functions: (F,) values of functions of time."""
+    """Offsets and axes at present.   functions: (F,) values of functions of time, with two derivatives."""
     for r in range(len(rows)):
         row = rows[r]
-        if row.function >= 0:
-            row.offset = row.rest + functions[row.function]
-            for k in range(2):
-                row.rates[k] = functions[row.function + 1 + k]
+        row.offset, row.rates[0], row.rates[1] = row.rest, 0.0, 0.0
+        for side in range(2):
+            place = row.functions[side]
+            if place >= 0:
+                row.offset += functions[place]
+                for k in range(2):
+                    row.rates[k] += functions[place + 1 + k]
         if row.turning >= 0:
             for i in range(3):
                 place = row.turning + 3 * i
@@ -118,7 +121,7 @@ def row_value(row, one, other):
         return 0.0
     if row.kind == ACROSS:
         row.drift -= dot(row.turned[0], row.e[1])
-        return dot(row.e[0], row.e[1])
+        return dot(row.e[0], row.e[1]) - row.offset
     _set_distance(row, one, other)
     if row.kind == DISTANCE:
         return np.sqrt(dot(row.d, row.d)) - row.offset

@@ -13,6 +13,7 @@ from ..called_system import Bound
 from ..errors import SceneError
 from ..items.attach.inert import ANCF_CABLES, is_inert_cable
 from ..items.functions_of_time import is_of_time_alone, step_functions
+from ..items.functions_that_look import asked_item_functions
 from ..items.parameters import Parameter
 from ..run.cable_loads import CableLoads
 from ..run.joined_scene import EvaluatedScene
@@ -266,6 +267,11 @@ class SceneOfExudyn(EvaluatedScene):
         """Whether functions of the user move joints by what they change between steps."""
         given = (self.mbs.GetObject(joint.number).get("offsetUserFunction") for joint in self.joints)
         return bool(step_functions(self.mbs)) and not all(is_of_time_alone(self.mbs, f) for f in given if f)
+
+    @property
+    def has_hidden_changes(self) -> bool:
+        """Whether step functions may change what functions of items read."""
+        return bool(step_functions(self.mbs) and asked_item_functions(self.mbs))
 
     @property
     def initial_state(self) -> tuple[Array, Array]:

@@ -358,6 +358,17 @@ class CompiledScene:
         """Whether joints have moved through the last step."""
         return self._moved.moves
 
+    @property
+    def steered(self) -> str:
+        """The first joint whose function reads what step functions may change; empty if there is none."""
+        return next((sampled.name for sampled in self._moved.steered), "")
+
+    def steered_violation(self, t: float, q: Array) -> float:
+        """As `violation`, after step functions have been called."""
+        for sampled in self._moved.steered:
+            sampled.forget()
+        return self.violation(t, q)
+
     def take(
         self,
         scheme: Any,

@@ -26,8 +26,8 @@ from .paced_run import PacedRun
 from .redundancy import PULLED, held_straight
 from .step_control import MOST_PARTS, FrequencyFollower, Piece, StepControl, StepRule
 
-STEPS_BETWEEN_LOOKS = 128  # at the frequency, which costs as much as some 10 evaluations
-FEWEST_BETWEEN_LOOKS = 8  # where outputs are as close as steps
+STEPS_BETWEEN_LOOKS = 128  # at the frequency, which costs as much as some 20 evaluations
+FEWEST_BETWEEN_LOOKS, MOST_BETWEEN_LOOKS = 8, 32  # where outputs are as close as steps
 TIGHTER = 1.25  # times the tension for which the limit is known: another look at it
 SLOW_WAVES = 0.01  # tension over rho_A l^2, times h^2: its waves bound no step; at some 0.1 they do
 STEPS_BETWEEN_TENSIONS = 32  # two looks at them, more at the beginning
@@ -171,7 +171,8 @@ class LimitedRun(PacedRun):
     def follow_frequency(self, rule: StepRule) -> None:
         """Let the steps follow the present stability limit."""
         self._tracker = VibrationTracker(self._scene.size)
-        looks = STEPS_BETWEEN_LOOKS, FEWEST_BETWEEN_LOOKS
+        fewest, hides = FEWEST_BETWEEN_LOOKS, self._scene.has_hidden_changes
+        looks = STEPS_BETWEEN_LOOKS, fewest, fewest if hides else MOST_BETWEEN_LOOKS
         follower = FrequencyFollower(rule, self._present_frequency, *looks)
         self.control = StepControl(follower, self._rejects)
 

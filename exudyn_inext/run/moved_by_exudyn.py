@@ -173,7 +173,7 @@ class MovedByExudyn(Mover):
     def _step(self) -> Callable[[Sequence[float], float], None]:
         """Takes a step of h [s], evaluated at the times `stages` [s]."""
         parts, native_items = self._scene.parts_in_one, self._scene.native_items
-        if not parts or not isinstance(self._scheme, Rattle) or self._scene.mbs.systemData.ODE1Size():
+        if not parts or not isinstance(self._scheme, Rattle):
             return self._by_scheme
         return lambda stages, h: parts.take_step(native_items, stages[0], h, self._scheme, self._state)
 

@@ -17,8 +17,9 @@ from .compiled_scene import ChangedItem, CompiledScene
 from .consistent_start import StartCorrection
 from .coupled_start import compiled_start, consistent_start
 from .coupled_watch import CoupledWatch
-from .mover import FULFILLED, Mover
+from .mover import FULFILLED, JUMP, Mover
 from .redundancy import held_straight
+from .settings import SAY_OF_TIME
 from .step_control import Piece
 from .time_grid import TimeGrid
 
@@ -27,8 +28,8 @@ class MovedByKernels(Mover):
     """See `Mover`, and `MovedByExudyn` for what the methods do.
 
     form: the scene in compiled code.
-    looks_ahead: whether no load depends on the state; otherwise mbs is brought to where the load of a step is
-        evaluated: at its end, by the accelerations before it.
+    looks_ahead: whether no load depends on the state, for which mbs is brought to where the load of a step is
+        evaluated, at its end, by the accelerations before it; and no function of a joint is steered.
     """
 
     def __init__(
@@ -41,9 +42,11 @@ class MovedByKernels(Mover):
     ) -> None:
         super().__init__(scene, runs, state, method)
         self._form = self.evaluated = form
-        self.looks_ahead = form.loads.of_state is None
+        self.looks_ahead = form.loads.of_state is None and not form.steered
         if form.loads.of_state:
             self.asks = form.loads.of_state.name
+        elif form.steered:
+            self.asks = f"the function of {form.steered}, which reads what step functions may change"
         self.given, self.data = form.given, form.contacts.data
         if self._may_damp:
             self.dofs_in_implicit_contact = form.dofs_in_implicit_contact
@@ -80,7 +83,7 @@ class MovedByKernels(Mover):
 
     @property
     def followed_system(self) -> Any:
-        return self.system if self.looks_ahead else self._form
+        return self._form if self._form.loads.of_state else self.system
 
     def correct_start(self, time: float, tolerance: float) -> StartCorrection:
         """By Exudyn where straight cables may hide that joints depend on each other, or knots that yield."""
@@ -149,6 +152,9 @@ class MovedByKernels(Mover):
     def approaches(self) -> bool:
         return self._form.approaches
 
+    def has_jumped(self, time: float) -> bool:
+        return bool(self._form.steered) and self._form.steered_violation(time, self._state.q) > JUMP
+
     def rest(self) -> None:
         self._scene.native_items.approach.rest()
         self._form.rest()
@@ -181,8 +187,10 @@ class MovedByKernels(Mover):
         """Do without mbs from now on.   who: asks, for messages.
 
         Raises:
-            SceneError: joints slide along cables, or loads depend on the state.
+            SceneError: joints slide along cables or are steered, or loads depend on the state.
         """
+        if self._form.steered:
+            raise SceneError(f"{who} cannot ask {self.asks}: use SolveExplicit, or {SAY_OF_TIME}.")
         if of_state := self._form.loads.of_state:
             raise SceneError(f"{who} cannot ask {of_state.name}: use SolveExplicit, or leave it out.")
         if self._slides:

@@ -12,8 +12,11 @@ from ..called_system import Bound, called, kernel_behind
 from ..compiled import Prepared
 from ..integrators.rattle import Rattle, shake_called
 from ..multibody.scene import bodies_energy, subtract_inertia_forces, subtract_joint_forces
+from ..scene.coupled_system import leap
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .compiled_scene import CompiledScene
+
+_NOTHING = np.zeros(0)
 
 
 class CompiledParts:
@@ -29,6 +32,7 @@ class CompiledParts:
         self.form = form
         self._items = form.system.items
         self._bodies = self._items.bodies[: len(self._items.bodies) - states]
+        self._states, self._has_states = slice(len(form.given) - states, None), states > 0
         self.multipliers = form.multipliers
         self._subtract_inertia = partial(Prepared(subtract_inertia_forces), self._bodies)
         changes = form.numbers.changing_masses
@@ -74,10 +78,16 @@ class CompiledParts:
 
     def take_step(self, native_items: Any, t: float, h: float, scheme: Rattle, state: Any) -> None:
         """A step of h [s] to t [s], see `advance_rattle`, with forces of Exudyn at its end."""
-        external = self.form.loads.at(t)
+        external, states, half = self.form.loads.at(t), self._states, 0.5 * h
         self._shake(external, state, h, scheme)
-        self._items.given[:] = native_items.act(t, state.q, state.v_half + 0.5 * h * state.a)
-        self._accelerate(external, state.q, state.v_half, 0.5 * h, state.a, state.v)
+        velocity, rates = state.v_half + half * state.a, _NOTHING
+        middle = t, state.q, state.v_half, half, state.a
+        if self._has_states:
+            rates, velocity[states] = leap(native_items, states, *middle)
+        self._items.given[:] = native_items.act(t, state.q, velocity)
+        self._items.given[states] = rates
+        self._accelerate(external, state.q, state.v_half, half, state.a, state.v)
+        state.v[states] = velocity[states]
         self.form.require_independence()
 
     def accelerate(self, t: float, forces: Array, *arguments: Any) -> None:

@@ -27,6 +27,7 @@ BETWEEN = 8  # intervals of the loop after which it may
 MOST_PATIENCE = 64  # pieces before a longer step is tried again
 STEPS_BETWEEN = 32  # two looks at the frequency
 GAINED = 3.0  # times its tolerance may the energy grow before the nominal step becomes shorter
+HARDLY = 0.02  # change of the frequency, relative, after which the next look at it may come later
 SMALLEST = 1e-3  # nominal step, relative to the first one, below which a run has diverged
 
 
@@ -42,7 +43,8 @@ class _Log(ctypes.Structure):
             (name, ctypes.c_int64)
             for name in ("divisor", "asked", "least", "waves", "beginnings", "quarters")
         ),
-        *((name, ctypes.c_int64) for name in ("calm", "patience", "rejections", "steps", "changed", "due")),
+        *((name, ctypes.c_int64) for name in ("calm", "patience", "rejections", "steps", "changed")),
+        *((name, ctypes.c_int64) for name in ("due", "pause")),
     )
 
 
@@ -99,15 +101,25 @@ class FrequencyFollower:
     and its last growth counted once more.
 
     frequency: t [s] -> w_max [rad/s] at present.   steps: between two looks at it, in intervals of so many.
-    least: in shorter ones.
+    least, most: in shorter ones; twice as many each time that it has hardly changed.
     """
 
     def __init__(
-        self, rule: StepRule, frequency: Callable[[float], float], steps: int = STEPS_BETWEEN, least: int = 1
+        self,
+        rule: StepRule,
+        frequency: Callable[[float], float],
+        steps: int = STEPS_BETWEEN,
+        least: int = 1,
+        most: int = 1,
     ) -> None:
         self._rule = rule
         self._frequency = frequency
-        self.steps, self._least = steps, least
+        self.steps, self._least, self._most = steps, least, most
+
+    def look_soon(self, log: Any) -> None:
+        """As soon after the last look as if the frequency had changed."""
+        log.due -= max(0, log.pause - self._least)
+        log.pause = min(log.pause, self._least)
 
     def nominal_step(self, log: Any, time: float, remaining: float) -> float:
         """Largest step that is allowed now [s]; 0 if only a run that has diverged asks for so small a one.
@@ -119,7 +131,9 @@ class FrequencyFollower:
             if not math.isfinite(frequency):
                 return 0.0
             growth = max(0.0, frequency - log.frequency) if log.frequency else 0.0
-            log.frequency, log.due = frequency, log.steps + self._least
+            is_calm = abs(frequency - log.frequency) <= HARDLY * frequency
+            log.pause = max(self._least, min(2 * log.pause, self._most) if is_calm else 0)
+            log.frequency, log.due = frequency, log.steps + log.pause
             log.allowed = self._rule.safety * self._rule.limit / max(frequency + growth, 1e-300)
         step = min(log.allowed, self._rule.largest, remaining)
         log.first = log.first or step
@@ -245,6 +259,11 @@ class StepControl:
         if is_done:
             log.offset = 0.0
         return int(is_done)
+
+    def look_soon(self) -> None:
+        """Something was changed: look at the frequency, if it is followed, as if it had changed."""
+        if self.follower is not None:
+            self.follower.look_soon(self._log)
 
     def accept(self) -> None:
         """A piece went well; longer steps are tried again after some patience."""

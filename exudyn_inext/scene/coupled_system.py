@@ -146,7 +146,7 @@ def accelerate_and_project_coupled(system, external, q, v, duration, acceleratio
     velocity = v + duration * acceleration
     leaps = duration > 0.0 and states.stop > states.start
     if leaps:
-        rates, velocity[states] = _leap(system, t, q, v, duration, acceleration)
+        rates, velocity[states] = leap(system.native_items, states, t, q, v, duration, acceleration)
         ends = velocity[states].copy()
     if system.in_one:
         forces = system.native_items.act(t, q, velocity)
@@ -162,17 +162,17 @@ def accelerate_and_project_coupled(system, external, q, v, duration, acceleratio
         end_velocity[states] = ends
 
 
-def _leap(system, t, q, v, duration, acceleration):
+def leap(native_items, states, t, q, v, duration, acceleration):
     """Rates y' of the first order states in the middle of a step, and y at its end.
 
     y leaps over the velocities, as places do: y_(n+1) = y_n + h y'(t_(n+1/2)). Oscillations of y and v, as of
     oil under pressure, then keep their energy up to h w = 2; with rates foreseen from y_n and v_n they grow.
 
-    Arguments: see `accelerate_and_project`; v in the middle of the step, duration: half of it.
+    states: their place in v.   Other arguments: see `accelerate_and_project`; v in the middle of the step,
+    duration: half of it.
     """
-    states = system.states
     middle = t - duration, q - duration * v, v
-    rates = system.native_items.rates_of_states(*middle)
+    rates = native_items.rates_of_states(*middle)
     return rates, v[states] + duration * (2.0 * rates - acceleration[states])
 
 

@@ -175,6 +175,20 @@ def test_the_frequency_is_looked_at_after_some_steps_only_and_after_rejections()
     np.testing.assert_allclose(looks, [0.0, 8e-3, 12e-3])
 
 
+def test_looks_at_a_frequency_that_hardly_changes_become_rare_until_something_is_changed():
+    looks, grid = [], TimeGrid(0.0, 200, 1, 1e-3)
+    frequency = iter([10.0, 10.1, 10.2, 10.1, 10.1, 12.0, 12.1])
+    follower = FrequencyFollower(
+        StepRule(2.0, 0.95, 1e-3), lambda time: looks.append(time) or next(frequency), least=8, most=32
+    )
+    control = StepControl(follower)
+    for interval in range(120):
+        if interval == 100:  # 12 steps after the last look
+            control.look_soon()
+        control.count(control.next(grid, interval, 1), 1, grid)
+    np.testing.assert_allclose(looks, [0.0, 8e-3, 24e-3, 56e-3, 88e-3, 100e-3, 108e-3])
+
+
 def test_a_frequency_that_grows_without_end_is_named_as_the_cause(mbs, add_pendulum, solve, monkeypatch):
     frequencies = iter([700.0, np.inf])  # at the start, and after 32 steps
     monkeypatch.setattr(CableRun, "_present_frequency", lambda run, time: next(frequencies))

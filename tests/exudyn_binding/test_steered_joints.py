@@ -17,7 +17,7 @@ from exudyn.itemInterface import (
 )
 from exudyn.utilities import InertiaCuboid
 
-from exudyn_inext import SolveExplicit
+from exudyn_inext import ExplicitStepper, SceneError, SolveExplicit
 from exudyn_inext.run.steered import Steered
 from reference_models.model import quiet_settings
 from tests.exudyn_binding.items import SECTION, either_cable, solve_native
@@ -83,6 +83,19 @@ def by_what_its_function_reads(scene):
     return joint, lambda t: setattr(scene, "read", way(t))
 
 
+def by_what_its_frame_reads(scene):
+    joint, _ = scene.hold(
+        [1, 1, 0, 0, 0, 1], offsetUserFunction=lambda mbs, t, i, p: [scene.read, *[0.0] * 5]
+    )
+    return joint, lambda t: setattr(scene, "read", way(t))
+
+
+def by_parameters_of_its_frame(scene):
+    joint, _ = scene.hold([1, 1, 0, 0, 0, 1], offsetUserFunction=lambda mbs, t, i, offsets: offsets)
+    name = "offsetUserFunctionParameters"
+    return joint, lambda t: scene.mbs.SetObjectParameter(joint, name, [way(t), *[0.0] * 5])
+
+
 def by_its_velocity(scene):
     joint = scene.rail(velocityLevel=True)
     return joint, lambda t: scene.mbs.SetObjectParameter(joint, "offset", speed(t))
@@ -105,7 +118,8 @@ def by_a_length(scene):
     return joint, lambda t: scene.mbs.SetObjectParameter(joint, "distance", 1.0 + way(t))
 
 
-KINDS = by_its_offset, by_what_its_function_reads, by_its_velocity, by_the_ground, by_a_marker, by_a_length
+FUNCTIONS = by_what_its_function_reads, by_what_its_frame_reads, by_parameters_of_its_frame
+KINDS = by_its_offset, *FUNCTIONS, by_its_velocity, by_the_ground, by_a_marker, by_a_length
 
 
 def steered(new_mbs, kind, native):
@@ -139,6 +153,84 @@ def test_what_step_functions_drive_has_forces_and_accelerations_as_natively(new_
     is_later = slice(10, None)  # native forces swing at the start
     largest = np.abs(ours - native)[is_later].max(axis=0)
     assert (largest / np.ptp(native[is_later], axis=0)).max() < 0.03
+
+
+LOG = []
+
+
+class Carriage:
+    """Ground leads a body with a cable along, and turns it, by a function that reads `place` and `angle`.
+
+    is_compiled: whether compiled code asks that function, which stores nothing then.
+    """
+
+    def __init__(self, mbs, dim, is_compiled, drive):
+        self.mbs, self.place, self.angle = mbs, 0.0, 0.0
+        body = mbs.CreateRigidBody(
+            inertia=InertiaCuboid(density=1000, sideLengths=[0.1, 0.1, 0.2]),
+            gravity=GRAVITY,
+            create2D=dim == 2,
+        )
+        line = {"positionStart": [0, 0, 0], "positionEnd": [0, -1, 0], "numberOfElements": 3}
+        nodes, _ = either_cable(mbs, False, dim, SECTION, 8e4, gravity=GRAVITY, **line)
+        markers = [MarkerBodyPosition(bodyNumber=body), MarkerNodePosition(nodeNumber=nodes[0])]
+        axes = [1, 1, dim - 2]
+        mbs.AddObject(SphericalJoint(markerNumbers=list(map(mbs.AddMarker, markers)), constrainedAxes=axes))
+        markers = [MarkerBodyRigid(bodyNumber=one) for one in (mbs.CreateGround(), body)]
+
+        def offsets(mbs, t, i, parameters):
+            turns = [0.5 * self.angle * (dim - 2), 0.3 * t**2 * (dim - 2), self.angle]
+            return [self.place, 0.1 * t**2, 0.0, *turns]
+
+        def stored(mbs, t, i, parameters):
+            LOG.append(t)
+            return offsets(mbs, t, i, parameters)
+
+        free = dim - 2  # out of the plane
+        mbs.AddObject(
+            GenericJoint(
+                markerNumbers=list(map(mbs.AddMarker, markers)),
+                constrainedAxes=[1, 1, free, free, free, 1],
+                offsetUserFunction=offsets if is_compiled else stored,
+            )
+        )
+
+        def step(mbs, t):
+            drive(self, t)
+            return True
+
+        mbs.SetPreStepUserFunction(step)
+        mbs.Assemble()
+
+
+def smoothly(scene, t):
+    scene.place, scene.angle = way(t), 0.5 * way(t)
+
+
+def at_once(scene, t):
+    scene.place, scene.angle = 0.01 * (t > 0.02) - 0.01 * (t > 0.04), 0.02 * (t > 0.03)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("drive", [smoothly, at_once])
+def test_functions_that_step_functions_steer_are_asked_by_compiled_code(new_mbs, dim, drive):
+    """The motion is that which Exudyn's evaluations give."""
+    found = []
+    for is_compiled in (True, False):
+        mbs = new_mbs()
+        Carriage(mbs, dim, is_compiled, drive)
+        path = SolveExplicit(mbs, quiet_settings(0.06, 60))["path"]
+        assert ("reads what step functions may change" in path) == is_compiled
+        found.append(mbs.systemData.GetODE2Coordinates())
+    np.testing.assert_allclose(*found, rtol=0, atol=1e-9)
+
+
+def test_who_does_without_step_functions_refuses_what_they_steer(mbs):
+    Carriage(mbs, 2, True, smoothly)
+    mbs.SetPreStepUserFunction(0)
+    message = r"ExplicitStepper cannot ask the function of object 4 .*\(JointGeneric\).*use SolveExplicit"
+    with pytest.raises(SceneError, match=message):
+        ExplicitStepper(mbs)
 
 
 def places_after(places):

@@ -17,8 +17,7 @@ from ...run.coupled_run import CoupledRun, Run
 from ...scene.model import Scene
 
 _JACOBIAN = exudyn.ComputeItemType.ConstraintJacobian
-_PLACES = ("offset", "distance")
-_PARAMETERS = "offsetUserFunctionParameters"
+_PLACES = ("offset", "distance", "offsetUserFunctionParameters")
 _FORCES = {  # parameters of objects with mass that change their forces alone
     "GenericODE2": ("stiffnessMatrix", "dampingMatrix", "forceVector"),
     "KinematicTree": (
@@ -80,8 +79,6 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
 def _demand_of_joint(
     coupled: Sequence[CoupledRun], own: Collection[int], key: Parameter, data: dict[str, Any]
 ) -> Demand:
-    if key.name == _PARAMETERS and data["activeConnector"]:
-        return Demand.MOVE
     if key.name not in _PLACES or any(run.holds(key.number) for run in coupled):
         return Demand.BUILD
     has_velocity = is_driven(data.get("offsetUserFunction"))

@@ -90,6 +90,8 @@ class ChangeFollower:
         """
         changed, is_new = self.log.take(time, end)
         self.is_event = is_new or not changed
+        for run in runs if changed else ():
+            run.control.look_soon()
         self.limit.notice(self.mbs, changed, time, end)
         self._has_jumped(runs, time)
         self.reader.drives.follow(changed, time, end)

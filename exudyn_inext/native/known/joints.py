@@ -6,29 +6,26 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from exudyn.rigidBodyUtilities import RotXYZ2RotationMatrix
 
 from ...arrays import Array, collected
-from ...constraints.motion import many_differences, motion_of
 from ...items.attach.clamp_to_body import Clamp
 from ...items.attach.shared_node import SameSlope
-from ...items.functions_of_time import acceleration_of, is_driven, is_of_time_alone, python_function
+from ...items.functions_of_steps import FunctionsOfSteps
 from ...multibody.build import FunctionOfTime
 from ...multibody.rows import ACROSS, ALONG, DIFFERENCE, DISTANCE, PARALLEL, ROLLING, ROW
 from ...multibody.sliding import SLIDER, NoSliders, Sliders
-from ...run.moved_offsets import MovedOffsets
-from ...run.settings import SAY_OF_TIME
+from ...run.moved_offsets import MovedOffsets, Sampled
 from ..joint_item import JointItem
 from ..sliding_joints import SlidingJoint
+from .offset_functions import OFFSET_FUNCTIONS, read_functions
 from .points import Place, PointReader
 from .unknown import UnknownItemError, require_no_functions
 
 X, Y, Z = range(3)
-_OFFSET_FUNCTIONS = ("offsetUserFunction", "offsetUserFunction_t")
 _ROW = np.zeros(1, ROW)[0]
-_ROW["factor"], _ROW["entry"], _ROW["function"], _ROW["turning"] = 1.0, -1, -1, -1
+_ROW["factor"], _ROW["entry"], _ROW["functions"], _ROW["turning"] = 1.0, -1, -1, -1
 _OFFSETS = {"ConnectorCoordinate": "offset", "ConnectorDistance": "distance"}
-_MOVED = (DIFFERENCE, ALONG, DISTANCE)  # kinds of rows that have offsets
+_MOVED = (DIFFERENCE, ALONG, ACROSS, DISTANCE)  # kinds of rows that have offsets
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,60 +46,32 @@ class _Joint:
         row["kind"] = kind
         for name, value in fields.items():
             row[name] = value
+        row["rest"] = row["offset"]
         return row
 
     def difference(self, i: int) -> Any:
-        return self.row(DIFFERENCE, component=i, function=self._place(i))
+        return self.row(DIFFERENCE, component=i, functions=(self.place(i), -1))
 
     def along(self, side: int, i: int) -> Any:
         """The distance along axis i of one side."""
-        moved = {"function": self._place(i), "turning": self._place(3 + 3 * i)}
+        moved = {"functions": (self.place(i), -1), "turning": self.place(3 + 3 * i)}
         return self.row(ALONG, component=side, axes=self.axes[:, :, i], **moved)
 
     def across(self, i: int, j: int) -> Any:
         """Axis i of the first and axis j of the second side at a right angle."""
         axes = np.array([self.axes[0][:, i], self.axes[1][:, j]])
-        return self.row(ACROSS, axes=axes, turning=self._place(3 + 3 * i))
+        return self.row(ACROSS, axes=axes, turning=self.place(3 + 3 * i))
 
-    def _place(self, function: int) -> int:
+    def place(self, function: int) -> int:
         """Of a function, after those of other joints."""
         return 3 * function if self.is_moved else -1
-
-
-class TurnedFrame:
-    """What the offsets of a GenericJoint are: distances o, and angles a that turn the first marker's axes.
-
-    Exudyn turns them by RotXYZ2RotationMatrix(a), and knows no rates (CObjectJointGeneric.cpp).
-
-    offsets: t [s] -> (6,) o and a.   axes: (3, 3) of the first marker in the frame of its point.
-    """
-
-    def __init__(self, offsets: Callable[[float], Any], axes: Array) -> None:
-        self._offsets, self._axes = offsets, axes
-        self._known: tuple[list[float], Array] = ([], np.zeros((0, 3, 12)))
-
-    def values(self, times: Sequence[float]) -> Array:
-        """(T, 3, 12) at these times [s]: o, then x, y, z of each axis, with their derivatives."""
-        if list(times) != self._known[0]:
-            self._known = list(times), many_differences(self._offsets, times, self._turned)
-        return self._known[1]
-
-    def part(self, which: int, times: Sequence[float]) -> Array:
-        """(T, 3) of one of the numbers, 0 to 11."""
-        return self.values(times)[:, :, which]
-
-    def _turned(self, offsets: Array) -> Array:
-        """(..., 6) o and a -> (..., 12) o, and the axes one after the other."""
-        rotations = RotXYZ2RotationMatrix(np.moveaxis(offsets[..., 3:], -1, 0))  # (3, 3, ...)
-        axes = np.einsum("ij,jk...->...ki", self._axes, rotations).reshape(*offsets.shape[:-1], 9)
-        return np.concatenate([offsets[..., :3], axes], axis=-1)
 
 
 class KnownRows(NamedTuple):
     """Joints.   records: (m,), in their order.   functions: of time, that offsets are.
 
-    moved: offsets that are set between steps; their values follow those of the functions.
-    movable: numbers of joints whose offsets may be.
+    moved: offsets that are set, or whose functions are steered, between steps; their values follow those of
+    the functions.   movable: numbers of joints whose offsets may be.
     sliders: see `Sliders`.
     """
 
@@ -121,6 +90,8 @@ def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved:
     """
     rows: list[Any] = []
     functions: list[FunctionOfTime] = []
+    steered: dict[int, Sampled] = {}  # functions of joints
+    of_steps = FunctionsOfSteps(mbs)
     offsets: list[_Offset] = []  # that may be moved
     sliding: list[tuple[Any, Array]] = []
     for joint in joints:
@@ -130,30 +101,42 @@ def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved:
             sliding.append((slider, joint.lengths))
             continue
         data = mbs.GetObject(joint.number)
-        read = _READERS.get(data["objectType"])
-        if read is None:
-            raise UnknownItemError(joint.name)
-        if data.get("alternativeConstraints"):
-            raise UnknownItemError(f"{joint.name} with alternative constraints")
-        found = read(data, joint.name, reader)
-        of_joint = [found[k] for k in joint.active]
-        if np.isfinite(joint.period):
-            of_joint[0]["period"] = joint.period
-        if data.get("offsetUserFunction") and data["objectType"] == "JointGeneric":
-            for row in of_joint:
-                row["function"] += 3 * len(functions) * (row["function"] >= 0)
-                row["turning"] += 3 * len(functions) * (row["turning"] >= 0)
-            frame = _turned_frame(mbs, joint, data, reader)
-            functions += [partial(frame.part, k) for k in range(12)]
-        elif data.get("offsetUserFunction"):
-            of_joint[0]["function"], of_joint[0]["rest"] = 3 * len(functions), 0.0
-            functions.append(_offset_function(mbs, joint, data))
-        else:
-            offsets += _offsets(mbs, joint.number, data["objectType"], of_joint, len(rows))
+        of_joint, given = _rows_of_joint(joint, data, reader), _given_offset(mbs, joint, data)
+        if data.get(OFFSET_FUNCTIONS[0]):
+            _shift(of_joint, 3 * len(functions))
+            axes = _moved_joint(data, joint.name, reader, has_frames=False).axes[0]
+            found, sampled = read_functions(mbs, joint, data, axes, of_steps, joint.number in moved)
+            functions += found
+            if sampled:
+                steered[joint.number] = sampled
+        if joint.number in steered or not data.get(OFFSET_FUNCTIONS[0]):
+            numbers = enumerate(of_joint, len(rows))
+            offsets += [_Offset(one, joint.number, k, given) for k, one in numbers if one["kind"] in _MOVED]
         rows += of_joint
-    of_moved = _moved_offsets([one for one in offsets if one.joint in moved], len(functions))
+    set_between = [one for one in offsets if one.joint in moved or one.joint in steered]
+    of_moved = _moved_offsets(set_between, len(functions), list(steered.values()))
     movable = {one.joint for one in offsets}
     return KnownRows(collected(ROW, rows), functions, of_moved, movable, _sliders(sliding))
+
+
+def _rows_of_joint(joint: JointItem, data: dict[str, Any], reader: PointReader) -> list[Any]:
+    read = _READERS.get(data["objectType"])
+    if read is None:
+        raise UnknownItemError(joint.name)
+    if data.get("alternativeConstraints"):
+        raise UnknownItemError(f"{joint.name} with alternative constraints")
+    found = read(data, joint.name, reader)
+    of_joint = [found[k] for k in joint.active]
+    if np.isfinite(joint.period):
+        of_joint[0]["period"] = joint.period
+    return of_joint
+
+
+def _shift(records: Sequence[Any], number: int) -> None:
+    """Let rows refer to functions that so many values of others precede."""
+    for row in records:
+        row["functions"][0] += number * (row["functions"][0] >= 0)
+        row["turning"] += number * (row["turning"] >= 0)
 
 
 class _Offset(NamedTuple):
@@ -165,19 +148,20 @@ class _Offset(NamedTuple):
     given: Callable[[], float]
 
 
-def _offsets(mbs: Any, number: int, kind: str, records: Sequence[Any], first: int) -> list[_Offset]:
-    """Of the rows of a joint that have any.   first: number of its first row."""
-    given = partial(mbs.GetObjectParameter, number, _OFFSETS[kind]) if kind in _OFFSETS else float
-    rows = enumerate(records, first)
-    return [_Offset(record, number, row, given) for row, record in rows if record["kind"] in _MOVED]
+def _given_offset(mbs: Any, joint: JointItem, data: dict[str, Any]) -> Callable[[], float]:
+    """What gives the offset of each row of a joint, without its function [m]."""
+    name = _OFFSETS.get(data["objectType"])
+    if name is None or data.get(OFFSET_FUNCTIONS[0]):
+        return float
+    return partial(mbs.GetObjectParameter, joint.number, name)
 
 
-def _moved_offsets(found: Sequence[_Offset], functions: int) -> MovedOffsets:
-    """Of these; their values follow those of so many functions."""
+def _moved_offsets(found: Sequence[_Offset], functions: int, steered: Sequence[Sampled]) -> MovedOffsets:
+    """Of these; their values follow those of so many functions.   steered: some of these."""
     for place, one in enumerate(found, functions):
-        one.record.function, one.record.rest = 3 * place, one.record.offset
+        one.record.functions[1] = 3 * place
     _, numbers, rows, given = zip(*found, strict=True) if found else [()] * 4
-    return MovedOffsets(numbers, rows, given)
+    return MovedOffsets(numbers, rows, given, steered)
 
 
 def _sliders(found: Sequence[tuple[Any, Array]]) -> Any:
@@ -206,39 +190,6 @@ def _sliding(joint: SlidingJoint, reader: PointReader) -> tuple[list[Any], Any]:
     return [both.along(0, normal) for normal in range(1, dim)], slider
 
 
-def _offset_function(mbs: Any, joint: JointItem, data: dict[str, Any]) -> FunctionOfTime:
-    value, rate = (_of_time(mbs, joint, data[key], float(data["offset"])) for key in _OFFSET_FUNCTIONS)
-    assert value is not None
-    offset = data[_OFFSET_FUNCTIONS[0]]
-    motion = motion_of(value, rate, acceleration_of(offset), is_driven=is_driven(offset))
-    return lambda times: motion.sample(times)[:, :, 0]
-
-
-def _turned_frame(mbs: Any, joint: JointItem, data: dict[str, Any], reader: PointReader) -> TurnedFrame:
-    offsets = _of_time(mbs, joint, data["offsetUserFunction"], data["offsetUserFunctionParameters"])
-    assert offsets is not None
-    return TurnedFrame(offsets, _joint(_without_functions(data), joint.name, reader).axes[0])
-
-
-def _of_time(mbs: Any, joint: JointItem, given: Any, parameters: Any) -> Callable[[float], Any] | None:
-    """A user function as one of t [s], or None; UnknownItemError if it may depend on the state."""
-    if not given:
-        return None
-    if not is_of_time_alone(mbs, given):
-        raise UnknownItemError(
-            f"{joint.name}, whose user function may depend on the state (if not: {SAY_OF_TIME})"
-        )
-    return partial(_called, python_function(given), mbs, joint.number, parameters)
-
-
-def _called(function: Any, mbs: Any, number: int, parameters: Any, t: float) -> Any:
-    return function(mbs, t, number, parameters)
-
-
-def _without_functions(data: dict[str, Any]) -> dict[str, Any]:
-    return {**data, **dict.fromkeys(_OFFSET_FUNCTIONS, 0)}
-
-
 def _joint(data: dict[str, Any], name: str, reader: PointReader, has_frames: bool = True) -> _Joint:
     require_no_functions(data, name)
     places = tuple(reader.marker(number) for number in data["markerNumbers"])
@@ -249,6 +200,12 @@ def _joint(data: dict[str, Any], name: str, reader: PointReader, has_frames: boo
         if f"rotationMarker{k}" in data:
             own[:] = own @ data[f"rotationMarker{k}"]
     return _Joint(places, axes)  # type: ignore[arg-type]
+
+
+def _moved_joint(data: dict[str, Any], name: str, reader: PointReader, has_frames: bool = True) -> _Joint:
+    """One whose offsets may follow user functions."""
+    joint = _joint({**data, **dict.fromkeys(OFFSET_FUNCTIONS, 0)}, name, reader, has_frames)
+    return replace(joint, is_moved=bool(data[OFFSET_FUNCTIONS[0]]))
 
 
 def _spherical(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
@@ -268,7 +225,7 @@ def _prismatic_x(data: dict[str, Any], name: str, reader: PointReader) -> list[A
 
 
 def _generic(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
-    joint = replace(_joint(_without_functions(data), name, reader), is_moved=bool(data["offsetUserFunction"]))
+    joint = _moved_joint(data, name, reader)
     locked = np.asarray(data["constrainedAxes"], dtype=bool)
     holds_all = locked[:3].all()
     rows = [joint.difference(i) if holds_all else joint.along(0, i) for i in range(3)]
@@ -309,9 +266,10 @@ def _rolling_disc(data: dict[str, Any], name: str, reader: PointReader) -> list[
 
 
 def _coordinate(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
-    joint = _joint(_without_functions(data), name, reader, has_frames=False)
+    joint = _moved_joint(data, name, reader, has_frames=False)
+    offset = 0.0 if joint.is_moved else data["offset"]
     factor = data.get("factor1", data.get("factorValue1", 1.0))
-    return [joint.row(DIFFERENCE, factor=factor, offset=data["offset"])]
+    return [joint.row(DIFFERENCE, factor=factor, offset=offset, functions=(joint.place(0), -1))]
 
 
 def _of_vector(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:

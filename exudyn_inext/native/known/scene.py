@@ -58,6 +58,8 @@ def read_known_items(
         records = np.append(records, first_order_records(len(coordinates.indices), states))
     reader = PointReader(mbs, coordinates, coordinates.slices[-1].start, records, of_bodies)
     rows, functions, of_moved, movable, sliders = read_rows(mbs, scene.joints, reader, moved)
+    if of_moved.steered and not has_forces:
+        raise UnknownItemError("joints whose functions read what step functions change")
     of_cables = (part.cable.number for part in scene.cables)
     done = {*of_bodies, *scene.elsewhere, *of_cables, *(joint.number for joint in scene.joints)}
     others = 3 * (len(functions) + len(of_moved.joints))
