@@ -53,10 +53,12 @@ def read_known_items(
     states = mbs.systemData.ODE1Size()
     if has_forces and states:
         raise UnknownItemError("states of first order")
-    records, of_bodies, changing = read_body_records(mbs, bodies, coordinates, q, not has_forces)
+    records, of_bodies, changes = read_body_records(mbs, bodies, coordinates, q, not has_forces)
+    mass, start = scene.body_system.mass_at, coordinates.slices[-1].start
+    changing = [ChangingMass(k, body, mass(int(records["first"][k]) - start)) for k, body in changes.items()]
     if states:
         records = np.append(records, first_order_records(len(coordinates.indices), states))
-    reader = PointReader(mbs, coordinates, coordinates.slices[-1].start, records, of_bodies)
+    reader = PointReader(mbs, coordinates, start, records, of_bodies)
     rows, functions, of_moved, movable, sliders = read_rows(mbs, scene.joints, reader, moved)
     if of_moved.steered and not has_forces:
         raise UnknownItemError("joints whose functions read what step functions change")
@@ -64,9 +66,7 @@ def read_known_items(
     done = {*of_bodies, *scene.elsewhere, *of_cables, *(joint.number for joint in scene.joints)}
     others = 3 * (len(functions) + len(of_moved.joints))
     items = KnownNumbers(mbs, coordinates, reader, others, of_moved, movable, of_bodies, follows_state)
-    for record, body in changing.items():
-        block = scene.body_system.mass_at(int(records["first"][record]) - coordinates.slices[-1].start)
-        items.changing_masses.append(ChangingMass(record, body, block))
+    items.changing_masses = changing
     touching = ContactReader(mbs, reader, scene.friction.numbers)
     if has_forces:
         for number in range(mbs.systemData.NumberOfObjects()):
