@@ -1,6 +1,6 @@
 """Joints and constraints as rows."""
 
-from collections.abc import Callable, Sequence, Set
+from collections.abc import Callable, Iterator, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -101,7 +101,7 @@ def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved:
             sliding.append((slider, joint.lengths))
             continue
         data = mbs.GetObject(joint.number)
-        of_joint, given = _rows_of_joint(joint, data, reader), _given_offset(mbs, joint, data)
+        of_joint, given = _rows_of_joint(joint, data, reader), _given_offsets(mbs, joint, data)
         if data.get(OFFSET_FUNCTIONS[0]):
             _shift(of_joint, 3 * len(functions))
             axes = _moved_joint(data, joint.name, reader, has_frames=False).axes[0]
@@ -110,8 +110,7 @@ def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved:
             if sampled:
                 steered[joint.number] = sampled
         if joint.number in steered or not data.get(OFFSET_FUNCTIONS[0]):
-            numbers = enumerate(of_joint, len(rows))
-            offsets += [_Offset(one, joint.number, k, given) for k, one in numbers if one["kind"] in _MOVED]
+            offsets += _offsets(joint.number, of_joint, given, len(rows))
         rows += of_joint
     set_between = [one for one in offsets if one.joint in moved or one.joint in steered]
     of_moved = _moved_offsets(set_between, len(functions), list(steered.values()))
@@ -148,12 +147,22 @@ class _Offset(NamedTuple):
     given: Callable[[], float]
 
 
-def _given_offset(mbs: Any, joint: JointItem, data: dict[str, Any]) -> Callable[[], float]:
-    """What gives the offset of each row of a joint, without its function [m]."""
-    name = _OFFSETS.get(data["objectType"])
-    if name is None or data.get(OFFSET_FUNCTIONS[0]):
-        return float
-    return partial(mbs.GetObjectParameter, joint.number, name)
+def _offsets(
+    number: int, records: Sequence[Any], given: Sequence[Callable[[], float]], first: int
+) -> Iterator[_Offset]:
+    """Of the rows of a joint, of which the first has that number.   given: see `_given_offsets`."""
+    for row, (record, own) in enumerate(zip(records, given, strict=True), first):
+        if record["kind"] in _MOVED:
+            yield _Offset(record, number, row, own)
+
+
+def _given_offsets(mbs: Any, joint: JointItem, data: dict[str, Any]) -> list[Callable[[], float]]:
+    """What gives the offsets of the rows of a joint, without its function [m]."""
+    kind, get = data["objectType"], partial(mbs.GetObjectParameter, joint.number)
+    if kind == "ConnectorCoordinateVector" and not data["constraintUserFunction"]:
+        return [lambda k=k: float(get("offset")[k]) for k in joint.active.tolist()]  # type: ignore[misc]
+    is_set = kind in _OFFSETS and not data.get(OFFSET_FUNCTIONS[0])
+    return [partial(get, _OFFSETS[kind]) if is_set else float] * len(joint.active)
 
 
 def _moved_offsets(found: Sequence[_Offset], functions: int, steered: Sequence[Sampled]) -> MovedOffsets:
