@@ -5,10 +5,12 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import (
     CoordinateConstraint,
+    CoordinateVectorConstraint,
     GenericJoint,
     MarkerBodyPosition,
     MarkerBodyRigid,
     MarkerNodeCoordinate,
+    MarkerNodeCoordinates,
     MarkerNodePosition,
     NodePointGround,
     SensorBody,
@@ -118,8 +120,24 @@ def by_a_length(scene):
     return joint, lambda t: scene.mbs.SetObjectParameter(joint, "distance", 1.0 + way(t))
 
 
+def by_an_offset_of_coordinates(scene):
+    scene.hold([0, 1, 0, 0, 0, 1])
+    node, ground = scene.mbs.GetObject(scene.body)["nodeNumber"], scene.mbs.AddNode(NodePointGround())
+    markers = [MarkerNodeCoordinates(nodeNumber=one) for one in (ground, node)]
+    joint = scene._join(CoordinateVectorConstraint, markers, scalingMarker1=[[1.0, 0.0, 0.0]], offset=[0.0])
+    return joint, lambda t: scene.mbs.SetObjectParameter(joint, "offset", [way(t)])
+
+
 FUNCTIONS = by_what_its_function_reads, by_what_its_frame_reads, by_parameters_of_its_frame
-KINDS = by_its_offset, *FUNCTIONS, by_its_velocity, by_the_ground, by_a_marker, by_a_length
+KINDS = (
+    by_its_offset,
+    *FUNCTIONS,
+    by_its_velocity,
+    by_the_ground,
+    by_a_marker,
+    by_a_length,
+    by_an_offset_of_coordinates,
+)
 
 
 def steered(new_mbs, kind, native):
