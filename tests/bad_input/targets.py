@@ -23,6 +23,7 @@ from exudyn_inext import (
     CableDrag,
     CableForces,
     CableShape,
+    ComputeEigenvalues,
     CreateCableEnergySensor,
     CreateCableForceSensor,
     CreateCompanionCables,
@@ -79,6 +80,14 @@ def fresh_mbs(scene: Any) -> Any:
 
 
 MBS = {"mbs": [Of(mbs_of)]}
+
+
+def resting() -> Any:
+    scene = pendulum()
+    SolveEquilibrium(scene.mbs)
+    return scene
+
+
 ON_CABLE = MBS | {"cable": [Of(cable_of), Of(lambda scene: scene.cable["elements"][0])]}
 ARC = {"arcLength": [0.0, 0.9, 1.8]}
 
@@ -475,6 +484,11 @@ TARGETS = {
         pendulum,
         lambda scene, arguments: SolveEquilibrium(**arguments),
         MBS | {"simulationSettings": [None], "staticSettings": [None]},
+    ),
+    "ComputeEigenvalues": Target(
+        resting,
+        lambda scene, arguments: ComputeEigenvalues(**arguments),
+        MBS | {"simulationSettings": [None], "numberOfEigenvalues": [1, 3], "autoAssemble": [True, False]},
     ),
     "Advise": Target(
         pendulum,

@@ -22,7 +22,6 @@ from exudyn_inext import (
     CreateInextensibleCable,
     ExplicitSettings,
     InextensibleCable,
-    InputError,
     SceneError,
     SolveEquilibrium,
     SolveExplicit,
@@ -189,14 +188,6 @@ def test_what_hangs_upside_down_has_negative_eigenvalues(mbs):
     assert found["eigenvalues"][0] < 0.0 and found["frequencies"][0] < 0.0
 
 
-@pytest.mark.parametrize("number", [0, -1, 2.5, None])
-def test_numbers_of_eigenvalues(mbs, number):
-    add_pendulum(mbs)
-    mbs.Assemble()
-    with pytest.raises(InputError, match="numberOfEigenvalues"):
-        ComputeEigenvalues(mbs, numberOfEigenvalues=number)
-
-
 def test_a_scene_that_is_not_at_rest_is_refused_with_a_remedy_that_works(mbs):
     add_pendulum(mbs)
     mbs.Assemble()
@@ -204,13 +195,6 @@ def test_a_scene_that_is_not_at_rest_is_refused_with_a_remedy_that_works(mbs):
         ComputeEigenvalues(mbs)
     SolveEquilibrium(mbs)
     assert ComputeEigenvalues(mbs)["eigenvalues"][0] > 0.0
-
-
-def test_a_scene_without_cables_is_refused(mbs):
-    mbs.CreateMassPoint(mass=1.0, create2D=True)
-    mbs.Assemble()
-    with pytest.raises(SceneError, match=r"no inextensible cable: use mbs\.ComputeODE2Eigenvalues"):
-        ComputeEigenvalues(mbs)
 
 
 def test_redundant_joints_are_refused(mbs):

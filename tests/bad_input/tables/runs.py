@@ -16,6 +16,7 @@ from exudyn.itemInterface import (
 )
 
 from exudyn_inext import (
+    ComputeEigenvalues,
     DivergenceError,
     EquilibriumError,
     ExplicitSettings,
@@ -255,11 +256,12 @@ def body_beside() -> Any:
     return scene
 
 
-def matrices_beside() -> Any:
+def function_beside() -> Any:
     """A cable, and an item that has no compiled form."""
     scene = loose_pendulum()
     node = scene.mbs.AddNode(Node1D(referenceCoordinates=[0.0]))
-    scene.mbs.AddObject(ObjectGenericODE2(nodeNumbers=[node], massMatrix=[[1.0]], name="axle"))
+    resist = {"forceUserFunction": lambda mbs, t, i, q, v: [-v[0]]}
+    scene.mbs.AddObject(ObjectGenericODE2(nodeNumbers=[node], massMatrix=[[1.0]], name="axle", **resist))
     scene.mbs.Assemble()
     return scene
 
@@ -436,9 +438,9 @@ STEPPER = [
     Row(
         ExplicitStepper,
         {"mbs": MBS},
-        r"ExplicitStepper needs compiled forms .* because of object \d .axle. \(Gener.*\): use SolveExplicit",
+        r"ExplicitStepper needs compiled forms .* because of object \d .axle. \(Gener.*\), which has .*: use SolveExplicit",
         SceneError,
-        scene=matrices_beside,
+        scene=function_beside,
     ),
 ]
 
@@ -609,5 +611,36 @@ EQUILIBRIUM = [
     ),
 ]
 
+EIGENVALUES = [
+    *no_system(ComputeEigenvalues),
+    *rows(
+        ComputeEigenvalues,
+        {"mbs": MBS},
+        [
+            ({"simulationSettings": "static"}, r"simulationSettings = 'static': must be SimulationSettings"),
+            (with_time(startTime=INF), r"startTime = inf: must be a finite number \[s\]"),
+            *(
+                ({"numberOfEigenvalues": value}, rf"numberOfEigenvalues = {value!r}: must be an integer")
+                for value in (0, -1, 2.5, None, "3")
+            ),
+        ],
+    ),
+    Row(ComputeEigenvalues, NOT_ASSEMBLED, NEEDS_ASSEMBLY, SceneError, scene=loose_pendulum),
+    Row(
+        ComputeEigenvalues,
+        {"mbs": MBS},
+        r"no inextensible cable: use mbs\.ComputeODE2Eigenvalues",
+        SceneError,
+        scene=reset,
+    ),
+    Row(
+        ComputeEigenvalues,
+        {"mbs": MBS},
+        r"cable 'object0' does not rest .* Call SolveEquilibrium\(mbs\) before",
+        SceneError,
+        scene=falling_cable,
+    ),
+]
+
 ROWS = [*SETTINGS, *SCHEMES, *STATIC_SETTINGS, *SOLVE_EXPLICIT, *STEPPER, *STEPPER_CALLS, *ENSEMBLE]
-ROWS += EQUILIBRIUM
+ROWS += [*EQUILIBRIUM, *EIGENVALUES]
