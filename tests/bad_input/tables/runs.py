@@ -438,7 +438,7 @@ STEPPER = [
     Row(
         ExplicitStepper,
         {"mbs": MBS},
-        r"ExplicitStepper needs compiled forms .* because of object \d .axle. \(Gener.*\), which has .*: use SolveExplicit",
+        r"ExplicitStepper needs .* because of object \d .axle. .*, which has a user function: use Solve",
         SceneError,
         scene=function_beside,
     ),
