@@ -129,33 +129,25 @@ def disc_that_rolls_by_penalty(mbs, damping=50, zone=0.01):
     return disc["nodeNumber"]
 
 
-def matrices_and_a_user_function(mbs):
-    start = {"referenceCoordinates": [0, 0], "initialCoordinates": [0.1, 0], "initialCoordinates_t": [0, 0]}
-    node = mbs.AddNode(NodeGenericODE2(**start, numberOfODE2Coordinates=2))
-    mbs.AddObject(
-        ObjectGenericODE2(
-            nodeNumbers=[node],
-            massMatrix=np.array([[2.0, 0.5], [0.5, 1.0]]),
-            stiffnessMatrix=np.array([[50.0, -20.0], [-20.0, 30.0]]),
-            forceUserFunction=lambda mbs, t, number, q, q_t: [np.sin(9 * t), 0],
-        )
+def two_coordinates(mbs, reference, **forces):
+    """A node with matrices, and what acts on it."""
+    start = {"initialCoordinates": [0.1, 0], "initialCoordinates_t": [0, 0]}
+    node = mbs.AddNode(
+        NodeGenericODE2(referenceCoordinates=[reference, 0], numberOfODE2Coordinates=2, **start)
     )
+    mass, stiffness = np.array([[2.0, 0.5], [0.5, 1.0]]), np.array([[50.0, -20.0], [-20.0, 30.0]])
+    mbs.AddObject(ObjectGenericODE2(nodeNumbers=[node], massMatrix=mass, stiffnessMatrix=stiffness, **forces))
     return node
+
+
+def matrices_and_a_user_function(mbs):
+    return two_coordinates(mbs, 0, forceUserFunction=lambda mbs, t, number, q, q_t: [np.sin(9 * t), 0])
 
 
 def matrices_geared_to_a_mass(mbs):
     """A sum of two coordinates, of matrices that damp and gyrate, follows those of a mass point."""
-    start = {"referenceCoordinates": [0.5, 0], "initialCoordinates": [0.1, 0], "initialCoordinates_t": [0, 0]}
-    node = mbs.AddNode(NodeGenericODE2(**start, numberOfODE2Coordinates=2))
-    mbs.AddObject(
-        ObjectGenericODE2(
-            nodeNumbers=[node],
-            massMatrix=np.array([[2.0, 0.5], [0.5, 1.0]]),
-            stiffnessMatrix=np.array([[50.0, -20.0], [-20.0, 30.0]]),
-            dampingMatrix=np.array([[0.5, 3.0], [-3.0, 0.5]]),
-            forceVector=[0.0, 2.0],
-        )
-    )
+    damping = np.array([[0.5, 3.0], [-3.0, 0.5]])
+    node = two_coordinates(mbs, 0.5, dampingMatrix=damping, forceVector=[0.0, 2.0])
     point = mbs.CreateMassPoint(mass=0.4, referencePosition=[1, 0, 0], gravity=GRAVITY, returnDict=True)
     markers = [mbs.AddMarker(MarkerNodeCoordinates(nodeNumber=n)) for n in (node, point["nodeNumber"])]
     weights = {"scalingMarker0": np.array([[1.0, 0.7]]), "scalingMarker1": np.array([[1.0, 2.0, 0.0]])}
