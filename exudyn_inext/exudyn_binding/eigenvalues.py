@@ -94,13 +94,13 @@ def _of_system(
     """indices: of its coordinates, in mbs."""
     try:
         multipliers, left = balance(system, q)
-        _require_rest(system, q, left, name)
-        values, own = vibrations(system, q, multipliers, number)
     except RuntimeError as error:
         raise SceneError(
             f"{name} has redundant constraints, so that their forces, and what these do to vibrations, are "
             "not known: leave some of them out, or give cables their axialStiffness."
         ) from error
+    _require_rest(system, q, left, name)
+    values, own = vibrations(system, q, multipliers, number)
     vectors = np.zeros((mbs.systemData.ODE2Size(), len(values)))
     vectors[indices] = own.T
     return values, vectors

@@ -10,6 +10,7 @@ from .saddle_point import factorise, solve
 from .static_system import StaticSystem
 
 FEW = 300  # coordinates, of which all vibrations are found at once
+INDEPENDENT = 1e-6  # relative error of violations that are asked for
 SHIFT = 1e-3  # below zero, in units of the loads' own eigenvalue: what is free to move has an inverse, too
 
 
@@ -21,6 +22,10 @@ def balance(system: StaticSystem, q: Array) -> tuple[Array, float]:
     """
     force, jacobian = system.force(q), system.jacobian(q)
     factor = factorise(system.metric, jacobian, system.order)
+    asked = np.random.default_rng(1).standard_normal(jacobian.shape[0])
+    moved, _ = solve(factor, np.zeros(force.size), asked)
+    if not np.allclose(jacobian @ moved, asked, rtol=0.0, atol=INDEPENDENT):  # round-off hides a zero pivot
+        raise RuntimeError("constraints depend on each other")
     _, multipliers = solve(factor, force, np.zeros(jacobian.shape[0]))
     return multipliers, system.size(force - jacobian.T @ multipliers)
 

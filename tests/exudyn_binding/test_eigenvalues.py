@@ -197,6 +197,22 @@ def test_a_scene_that_is_not_at_rest_is_refused_with_a_remedy_that_works(mbs):
     assert ComputeEigenvalues(mbs)["eigenvalues"][0] > 0.0
 
 
+@pytest.mark.parametrize("elements", [1, 2, 8, 60])
+def test_a_straight_cable_between_pins_has_an_unknown_tension(new_mbs, elements):
+    """Stretch tells it: the closed form of a beam on two pins."""
+    ends = {"groundConstraintsStart": PINNED, "groundConstraintsEnd": PINNED, "gravity": [0, 0, 0]}
+
+    def found(axial_stiffness):
+        mbs, section = new_mbs(), InextensibleCable(0.1, 0.1, axialStiffness=axial_stiffness)
+        add_cable(mbs, positionEnd=[1, 0, 0], numberOfElements=elements, beamTemplate=section, **ends)
+        mbs.Assemble()
+        return ComputeEigenvalues(mbs, numberOfEigenvalues=1)["frequencies"]
+
+    with pytest.raises(SceneError, match=r"redundant constraints.*axialStiffness"):
+        found(None)
+    assert elements == 1 or found(1e4) == pytest.approx([0.5 * np.pi], rel=5e-3)
+
+
 def test_redundant_joints_are_refused(mbs):
     """Two joints that do the same."""
     cable = add_pendulum(mbs, positionEnd=[0, -1.8, 0])
