@@ -1,4 +1,4 @@
-"""Rigid bodies: mass matrices that are constant in the frame of the body.
+"""Rigid bodies, whose mass matrices are constant in their frames; trees of links, see `links`.
 
 With the orientation A, the angular velocity w = G p_t in the frame of the body, and T with G T = 1,
 
@@ -25,7 +25,7 @@ BODY = record_type(
         ("rates", np.float64, (3, 4)),  # G
         ("inverse_rates", np.float64, (4, 3)),  # T
         ("spin", np.float64, (3,)),  # w in the frame of the body [rad/s]
-        ("bias", np.float64, (3,)),  # G_t p_t [rad/s^2]
+        ("bias", np.float64, (6,)),  # G_t p_t [rad/s^2]; of what does not turn, see `links`: h
         ("wrench", np.float64, (6,)),  # right-hand side, and what it is solved for
         ("normal", np.float64, (4,)),  # p of a quaternion over |p|^2
         ("target", np.float64),  # of p . p_tt, p . p_t or p . dp
@@ -210,7 +210,9 @@ def _multiply(matrix, size, x, result):
 def accelerate_body(body, force, acceleration):
     """Acceleration under generalised forces and the target; both (k,) of the body alone."""
     if body.rotations == 0:
-        _multiply(body.inverse, body.translations, force, acceleration)
+        for i in range(body.translations):
+            body.wrench[i] = force[i] - body.bias[i]
+        _multiply(body.inverse, body.translations, body.wrench, acceleration)
         return
     _take_wrench(body, force)
     _subtract_gyroscopic(body)
@@ -224,6 +226,10 @@ def subtract_inertia(body, force):
 
     force: (k,) of the body alone, which is placed and moves.
     """
+    if body.rotations == 0:
+        for i in range(body.translations):
+            force[i] -= body.bias[i]
+        return
     for i in range(6):
         body.wrench[i] = 0.0
     _subtract_gyroscopic(body)

@@ -24,6 +24,7 @@ class KnownItems:
     """All but the cables: records, and functions of time that rows refer to, three numbers each."""
 
     bodies: Any
+    links: Any
     points: Any
     sliders: Any
     rows: Any
@@ -63,7 +64,7 @@ def build_scene(
     if implicit:
         provide_cables(cables, chains, add_contact)
     acting = known.connectors, known.linear_forces, known.loads, known.contacts
-    records = known.bodies, known.points, known.sliders, *acting
+    records = known.bodies, known.links, known.points, known.sliders, *acting
     items = Items(*records, joints, force, given, predicted, path, np.zeros(2, np.int64))
     number = places[-1].stop if places else 0
     ahead = np.repeat(cables.inputs[:-1] - cables.dofs[:-1], np.diff(cables.dofs))  # motions of those before

@@ -5,18 +5,18 @@ import numpy as np
 from ..arrays import record_type
 from ..compiled import inlined
 
-FIXED, ON_BODY, ON_CABLE, FRAME_OF_CABLE, COORDINATE, ANGLE = range(6)
+FIXED, ON_BODY, ON_CABLE, FRAME_OF_CABLE, COORDINATE, ANGLE, ON_LINK = range(7)
 MOST = 12  # coordinates of a point: those of two nodes in space
 
 POINT = record_type(
     [
         ("kind", np.int64),
-        ("body", np.int64),  # its number among the bodies
+        ("body", np.int64),  # its number among the bodies, or links
         ("first", np.int64),  # coordinate among all of the scene
         ("width", np.int64),  # number of coordinates
         ("dimension", np.int64),  # of a cable
         ("axis", np.int64),  # of an angle: 0, 1, 2
-        ("local", np.float64, (3,)),  # in the frame of a body or cable; what is added to a coordinate
+        ("local", np.float64, (3,)),  # in the frame of a body, link or cable; what is added to a coordinate
         ("weights", np.float64, (4,)),  # of positions and slopes of a cable's nodes in the point on its axis
         ("slope_weights", np.float64, (4,)),  # in the slope there
         ("x", np.float64, (3, 3)),  # position, velocity, and acceleration with that of the coordinates zero
@@ -189,7 +189,7 @@ def _weighted_sum(point, q):
 
 @inlined
 def place_points(points, bodies, q):
-    """Positions, orientations and Jacobians at q (n,); the bodies are placed."""
+    """Positions, orientations and Jacobians at q (n,), but of links; the bodies are placed."""
     for p in range(len(points)):
         point = points[p]
         if point.kind == ON_BODY:
@@ -198,7 +198,7 @@ def place_points(points, bodies, q):
             point.x[0, 0] = point.local[0] + _weighted_sum(point, q)
         elif point.kind == ANGLE:
             _place_angle(point, bodies[point.body])
-        elif point.kind != FIXED:
+        elif point.kind == ON_CABLE or point.kind == FRAME_OF_CABLE:
             _combine(point, q, 0)
             if point.kind == FRAME_OF_CABLE:
                 _place_frame(point, q)
@@ -215,7 +215,7 @@ def move_points(points, bodies, q, v):
             point.x[1, 0] = _weighted_sum(point, v)
         elif point.kind == ANGLE:
             _move_angle(point, bodies[point.body])
-        elif point.kind != FIXED:
+        elif point.kind == ON_CABLE or point.kind == FRAME_OF_CABLE:
             _combine(point, v, 1)
             if point.kind == FRAME_OF_CABLE:
                 _move_frame(point, q, v)

@@ -111,7 +111,8 @@ def require_agreement(
         given = scene.native_items.act(t, at, rates)[scene.map.slices[-1]]
         if not has_forces:
             form.given[: len(scene.map.indices)] = scene.native_items.native_forces
-            subtract_inertia_forces(form.system.items.bodies, at, rates, form.given)
+            items = form.system.items
+            subtract_inertia_forces(items.bodies, items.links, at, rates, form.given)
             form.weigh()
         found.append(_evaluated(form, external, at, rates, len(scene.map.indices)))
         wanted.append(_evaluated_by_exudyn(scene, t, at, rates, given, form.multipliers))

@@ -535,7 +535,7 @@ class CompiledScene:
     def _joined(self) -> tuple[Any, ...]:
         """What `joint_violation` looks at."""
         items = self.system.items
-        return items.bodies, items.points, items.sliders, items.joints
+        return items.bodies, items.links, items.points, items.sliders, items.joints
 
     def violation(self, t: float, q: Array) -> float:
         """Largest |c| of the joints [m, -]."""

@@ -25,6 +25,10 @@ _FORCES = {  # parameters of objects with mass that change their forces alone
         "jointForceVector",
         "jointPositionOffsetVector",
         "jointVelocityOffsetVector",
+        "jointPControlVector",
+        "jointDControlVector",
+        "linkForces",
+        "linkTorques",
     ),
 }
 

@@ -23,7 +23,8 @@ _COORDINATES = {
     "RigidBodyRxyz": (3, 3),
     "RigidBodyEP": (3, 4),
 }
-_OF_MATRICES = {"GenericODE2", "KinematicTree"}  # objects whose coordinates are nothing but coordinates
+_TREE = "KinematicTree"
+_OF_MATRICES = {"GenericODE2", _TREE}  # objects whose coordinates are nothing but coordinates
 _POINTS = {"Point", "Point2D"}  # nodes, each of which is one body: markers lie there
 _NODES = {*_POINTS, "1D", "GenericODE2"}  # whose masses are those of their coordinates
 MOST_CONDITION = 1e15  # of a mass
@@ -42,12 +43,13 @@ class KnownBodies(NamedTuple):
     """records: (B,), those that turn by quaternions first.   numbers: of records, by those of the objects.
 
     Objects of matrices have any number of records, and no number.
-    changing: bodies whose masses Exudyn says, by numbers of records.
+    changing: bodies whose masses Exudyn says, by numbers of records.   trees: of links, the same.
     """
 
     records: Any
     numbers: dict[int, int]
     changing: dict[int, Body]
+    trees: dict[int, Body]
 
 
 def read_body_records(
@@ -77,7 +79,10 @@ def read_body_records(
         raise UnknownItemError("two bodies on one node")
     numbers = {body.number: k for k, (body, is_alone, _) in enumerate(found) if is_alone}
     of_matrices = ((k, body) for k, (body, is_alone, _) in enumerate(found) if not is_alone)
-    return KnownBodies(records, numbers, {k: body for k, body in of_matrices if not body.has_constant_mass})
+    changing = {k: body for k, body in of_matrices if not body.has_constant_mass}
+    trees = {k: body for k, body in changing.items() if mbs.GetObject(body.number)["objectType"] == _TREE}
+    others = {k: body for k, body in changing.items() if k not in trees}
+    return KnownBodies(records, numbers, others, trees)
 
 
 def first_order_records(first: int, number: int) -> Any:
@@ -140,7 +145,8 @@ def _bodies_of_matrix(
     nodes = [mbs.GetNode(number) for number in numbers]
     if not all(node["nodeType"] in _NODES for node in nodes):
         raise UnknownItemError(f"{name} on nodes that turn")
-    if not (body.has_constant_mass or (may_change and body.tells_mass)):
+    is_told = data["objectType"] == _TREE or (may_change and body.tells_mass)
+    if not (body.has_constant_mass or is_told):
         raise UnknownItemError(f"{name}, whose mass changes")
     places = np.array([coordinates.place(c) for c in body.coordinates.tolist()])
     reference = np.concatenate([node["referenceCoordinates"] for node in nodes])

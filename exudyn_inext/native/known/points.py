@@ -11,7 +11,16 @@ from ...element.shape_functions import first_derivatives, shape_functions
 from ...items.arguments import described
 from ...items.attach.inert import is_inert_cable
 from ...items.mass_points import mass_of_point, node_of_mass_point
-from ...multibody.points import ANGLE, COORDINATE, FIXED, FRAME_OF_CABLE, ON_BODY, ON_CABLE, POINT
+from ...multibody.points import (
+    ANGLE,
+    COORDINATE,
+    FIXED,
+    FRAME_OF_CABLE,
+    ON_BODY,
+    ON_CABLE,
+    ON_LINK,
+    POINT,
+)
 from ..coordinates import CoordinateMap
 from .unknown import UnknownItemError
 
@@ -39,15 +48,24 @@ class PointReader:
     Args:
         mbs: assembled.   coordinates: of the scene.   on_cables: how many lie on cables, the first ones.
         bodies: records.   of_bodies: number of the record by that of the object.
+        links: records of those of trees.   of_trees: as of_bodies.
     """
 
     def __init__(
-        self, mbs: Any, coordinates: CoordinateMap, on_cables: int, bodies: Any, of_bodies: dict[int, int]
+        self,
+        mbs: Any,
+        coordinates: CoordinateMap,
+        on_cables: int,
+        bodies: Any,
+        of_bodies: dict[int, int],
+        links: Any,
+        of_trees: dict[int, int],
     ) -> None:
         self._mbs = mbs
         self._coordinates = coordinates
         self._on_cables = on_cables
-        self._bodies = bodies
+        self.bodies = bodies
+        self._links, self._of_trees = links, of_trees
         self._of_bodies = of_bodies
         self._of_nodes = {int(body["first"]): number for number, body in enumerate(bodies)}
         self._points: list[Any] = []
@@ -84,6 +102,8 @@ class PointReader:
             return self.coordinate(int(data["nodeNumber"]), int(data["coordinate"]))
         if kind == "NodeRotationCoordinate":
             return self.angle(int(data["nodeNumber"]), int(data["rotationCoordinate"]))
+        if kind == "KinematicTreeRigid" and int(data["objectNumber"]) in self._of_trees:
+            return self._on_link(data)
         if kind == "BodyMass":
             return self.centre_of_mass(int(data["bodyNumber"]))
         raise UnknownItemError(f"marker {number} '{data['name']}' ({kind})")
@@ -160,7 +180,7 @@ class PointReader:
             UnknownItemError: a mass point has no frame; where a point of a body of one coordinate, or of
                 matrices, lies, its record does not say.
         """
-        record = self._bodies[body]
+        record = self.bodies[body]
         translations, rotations = int(record["translations"]), int(record["rotations"])
         if translations not in (2, 3):
             raise UnknownItemError(f"a marker on a body with {translations} coordinate(s)")
@@ -172,19 +192,27 @@ class PointReader:
         point["along"][:, :translations] = _ALONG[:, :translations]
         return self._add(point, has_frame=has_frame)
 
+    def _on_link(self, data: dict[str, Any]) -> Place:
+        own = np.flatnonzero(self._links["body"] == self._of_trees[int(data["objectNumber"])])
+        number = int(own[data["linkNumber"]])
+        link = self._links[number]
+        point = _new(ON_LINK, int(link["first"]), int(link["width"]))
+        point["body"], point["local"] = number, data["localPosition"] - link["centre"]
+        return self._add(point, has_frame=True)
+
     def centre_of_mass(self, number: int) -> Place:
         """That of a body, from its mass matrix, or of a mass point; UnknownItemError of other objects."""
         if number not in self._of_bodies:
             if self.is_on_other_node(data := self._mbs.GetObject(number)):
                 return self.on_node(node_of_mass_point(data), has_frame=False)
             raise UnknownItemError(f"a marker on the mass of object {number}")
-        place = self.on_body(self._of_bodies[number], _centre(self._bodies[self._of_bodies[number]]), False)
+        place = self.on_body(self._of_bodies[number], _centre(self.bodies[self._of_bodies[number]]), False)
         self._centres.setdefault(number, []).append(place.point)
         return place
 
     def has_lever(self, number: int) -> bool:
         """Whether the centre of mass of a body was beside its node when it was read."""
-        return bool(_centre(self._bodies[self._of_bodies[number]]).any())
+        return bool(_centre(self.bodies[self._of_bodies[number]]).any())
 
     def centre_again(self, number: int, points: Any, body: Any) -> None:
         """A body has another mass.   points: records that a system holds now.   body: record of it there."""
@@ -200,7 +228,7 @@ class PointReader:
         """Of a body or mass point [kg]."""
         if number not in self._of_bodies:
             return mass_of_point(self._mbs.GetObject(number))
-        return float(self._bodies[self._of_bodies[number]].mass[0, 0])
+        return float(self.bodies[self._of_bodies[number]].mass[0, 0])
 
     def _of_node(self, number: int) -> tuple[list[int], dict[str, Any]]:
         if number not in self._nodes:
@@ -315,7 +343,7 @@ class PointReader:
 
     def _are_together(self, places: list[int]) -> bool:
         """Whether coordinates of one node belong to a cable, or to one body."""
-        first, bodies = places[0], self._bodies
+        first, bodies = places[0], self.bodies
         width = bodies["translations"] + bodies["rotations"]
         in_body = (bodies["first"] <= first) & (places[-1] < bodies["first"] + width)
         return first < self._on_cables or bool(in_body.any())
@@ -327,7 +355,7 @@ class PointReader:
         if first not in self._of_nodes:
             raise UnknownItemError(f"an angle of node {number} '{node['name']}' ({node['nodeType']})")
         body = self._of_nodes[first]
-        record = self._bodies[body]
+        record = self.bodies[body]
         point = _new(ANGLE, first + int(record["translations"]), int(record["rotations"]))
         point["body"], point["axis"] = body, axis
         return self._add(point)

@@ -15,6 +15,7 @@ from ...items.parameters import Parameter, markers_placed_by
 from ...multibody.build import KnownItems
 from ...multibody.connectors import CONNECTOR
 from ...multibody.linear_forces import LINEAR_FORCE
+from ...multibody.links import LINK
 from ...multibody.loads import LOAD, NONE
 from ...multibody.scene import Items
 from ...run.compiled_scene import ChangedItem
@@ -29,6 +30,7 @@ from .contacts import ContactReader
 from .general_contacts import read_general_contacts
 from .joints import read_rows
 from .linear_forces import OF_MATRICES, read_linear_forces
+from .links import OF_JOINTS, PULLS, read_control, read_links, read_pulls, set_control
 from .loads import KnownLoad, read_load
 from .points import PointReader
 from .unknown import UnknownItemError
@@ -53,12 +55,14 @@ def read_known_items(
     states = mbs.systemData.ODE1Size()
     if has_forces and states:
         raise UnknownItemError("states of first order")
-    records, of_bodies, changes = read_body_records(mbs, bodies, coordinates, q, not has_forces)
+    records, of_bodies, changes, trees = read_body_records(mbs, bodies, coordinates, q, not has_forces)
+    trees = {body.number: record for record, body in trees.items()}
     mass, start = scene.body_system.mass_at, coordinates.slices[-1].start
     changing = [ChangingMass(k, body, mass(int(records["first"][k]) - start)) for k, body in changes.items()]
     if states:
         records = np.append(records, first_order_records(len(coordinates.indices), states))
-    reader = PointReader(mbs, coordinates, start, records, of_bodies)
+    links = _links_of(mbs, trees, records, has_forces)
+    reader = PointReader(mbs, coordinates, start, records, of_bodies, links, trees)
     rows, functions, of_moved, movable, sliders = read_rows(mbs, scene.joints, reader, moved)
     if of_moved.steered and not has_forces:
         raise UnknownItemError("joints whose functions read what step functions change")
@@ -66,7 +70,7 @@ def read_known_items(
     done = {*of_bodies, *scene.elsewhere, *of_cables, *(joint.number for joint in scene.joints)}
     others = 3 * (len(functions) + len(of_moved.joints))
     items = KnownNumbers(mbs, coordinates, reader, others, of_moved, movable, of_bodies, follows_state)
-    items.changing_masses = changing
+    items.changing_masses, items.trees = changing, trees
     touching = ContactReader(mbs, reader, scene.friction.numbers)
     if has_forces:
         for number in range(mbs.systemData.NumberOfObjects()):
@@ -84,8 +88,34 @@ def read_known_items(
                 "GeneralContact beside what keeps data: circles, or springs that turn or rub"
             )
         contacts = general
-    known = records, reader.records, sliders, rows, springs, items.linear_forces, loads, contacts, functions
+    known = (
+        records,
+        links,
+        reader.records,
+        sliders,
+        rows,
+        springs,
+        items.linear_forces,
+        loads,
+        contacts,
+        functions,
+    )
     return KnownItems(*known), items
+
+
+def _links_of(mbs: Any, trees: dict[int, int], records: Any, has_forces: bool) -> Any:
+    """(L,) records of the ground and the links of all trees, if there are any.
+
+    trees: numbers of their records, by those of the objects.   has_forces: whether these are read.
+    """
+    links = np.zeros(1 if trees else 0, LINK)
+    links["orientation"], links["body"] = np.eye(3), -1
+    for number, record in trees.items():
+        data = mbs.GetObject(number)
+        own = read_links(data, record, len(links), records[record])
+        own["pull"] = read_pulls(data) if has_forces else 0.0
+        links = np.append(links, own)
+    return links
 
 
 class KnownNumbers:
@@ -117,8 +147,10 @@ class KnownNumbers:
         self.loads: list[Any] = []
         self.functions: list[Asked] = []
         self.changing_masses: list[ChangingMass] = []
+        self.trees: dict[int, int] = {}  # numbers of their records, by those of the objects
         self._springs: dict[int, tuple[int, KnownConnector]] = {}  # place of each, by its number
         self._matrices: dict[int, slice] = {}  # places of their linear forces
+        self._controls: dict[int, slice] = {}  # of the springs of joints of trees
         self._forces: dict[int, tuple[int, KnownLoad]] = {}
 
     def add_object(self, number: int) -> None:
@@ -127,9 +159,13 @@ class KnownNumbers:
         is_inert = data["objectType"] == "Ground" or is_inert_cable(data)
         if is_inert or self._reader.is_on_other_node(data):
             return
-        if data["objectType"] == "GenericODE2":
+        if number in self.trees:
+            begin = len(self.connectors)
+            self.connectors += read_control(self._mbs, number, self._reader)
+            self._controls[number] = slice(begin, len(self.connectors))
+        if number in self.trees or data["objectType"] == "GenericODE2":
             begin = len(self.linear_forces)
-            self.linear_forces = np.append(self.linear_forces, self._read_matrices(number))
+            self.linear_forces = np.append(self.linear_forces, self._read_matrices(number, self.connectors))
             self._matrices[number] = slice(begin, len(self.linear_forces))
             return
         is_active = data.get("activeConnector", True)
@@ -196,8 +232,11 @@ class KnownNumbers:
         """
         kind, number, name = item
         connectors, loads = memories[0].connectors, memories[0].loads
+        if kind == "Object" and number in self.trees and name in PULLS:
+            return self._pull_again(number, memories)
         if kind == "Object" and number in self._matrices:
-            return name in OF_MATRICES and self._matrices_again(number, memories[0].linear_forces)
+            memories[0].linear_forces[self._matrices[number]] = self._read_matrices(number, connectors)
+            return name in (OF_JOINTS if number in self.trees else OF_MATRICES)
         if kind == "Object" and number in self._bodies:
             return self._weigh_again(number, memories)
         if kind == "Marker" or number not in (self._forces if kind == "Load" else self._springs):
@@ -211,18 +250,24 @@ class KnownNumbers:
             return False
         return is_known and self._reader.number_of_points == before
 
-    def _read_matrices(self, number: int) -> Any:
-        return read_linear_forces(self._mbs, number, self._coordinates)
-
-    def _matrices_again(self, number: int, linear_forces: Any) -> bool:
-        linear_forces[self._matrices[number]] = self._read_matrices(number)
+    def _pull_again(self, number: int, memories: Sequence[Items]) -> bool:
+        pulls = read_pulls(self._mbs.GetObject(number))
+        for memory in memories:
+            memory.links["pull"][memory.links["body"] == self.trees[number]] = pulls
         return True
+
+    def _read_matrices(self, number: int, connectors: Any) -> Any:
+        """Linear forces of an object, and springs of its joints."""
+        if number in self.trees:
+            springs, body = connectors[self._controls[number]], self._reader.bodies[self.trees[number]]
+            return set_control(self._mbs.GetObject(number), springs, body)
+        return read_linear_forces(self._mbs, number, self._coordinates)
 
     def has_same_entries(self, number: int) -> bool:
         """Whether matrices of an object are zero where they were when they were read."""
-        if number not in self._matrices:
+        if number not in self._matrices or number in self.trees:
             return True
-        found, own = self._read_matrices(number), self.linear_forces[self._matrices[number]]
+        found, own = self._read_matrices(number, ()), self.linear_forces[self._matrices[number]]
         return all(np.array_equal(found[name], own[name]) for name in ("row", "column"))
 
     def _place_again(self, item: ChangedItem, memories: Sequence[Items]) -> bool:
