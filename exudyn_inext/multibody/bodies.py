@@ -228,7 +228,7 @@ def subtract_inertia(body, force):
     """
     if body.rotations == 0:
         for i in range(body.translations):
-            force[i] -= body.bias[i]
+            force[i] += body.bias[i]
         return
     for i in range(6):
         body.wrench[i] = 0.0

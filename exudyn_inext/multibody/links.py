@@ -1,7 +1,7 @@
 """Links of kinematic trees: one joint each, whose coordinate it has; all of a tree are one body.
 
-With the Jacobians J and J_w of a link's centre of mass and of its angular velocity w, its inertia I about that
-centre, and the parts a_0 and w_0 of its accelerations with those of the coordinates zero, a tree has
+With the Jacobians J and J_w of the centre of mass of a link and of its angular velocity w, its inertia I
+about that centre, and the parts a_0 and w_0 of its accelerations with those of the coordinates zero,
 
     M q_tt = f - h,    M = sum of m J^T J + J_w^T I J_w,    h = sum of J^T m a_0 + J_w^T (I w_0 + w x I w).
 
@@ -31,7 +31,7 @@ LINK = record_type(
         ("reference", np.float64),  # what is added to the coordinate
         ("mass", np.float64),
         ("inertia", np.float64, (3, 3)),  # about the centre of mass
-        ("pull", np.float64, (3, 3)),  # weight, force at the joint, torque, in the global frame
+        ("weight", np.float64, (3,)),  # in the global frame
         ("arms", np.float64, (2, 3)),  # from the parent's centre to the joint, and on to the link's
         ("direction", np.float64, (3,)),  # of the axis
         ("turned", np.float64, (3, 3)),  # I in the global frame
@@ -216,19 +216,13 @@ def move_links(links, bodies, v):
 
 
 @inlined
-def pull_links(links, force):
-    """Add weights, forces and torques on all links to force (n,); the links are placed."""
+def weigh_links(links, force):
+    """Add the weights of all links to force (n,); they are placed."""
     for number in range(1, len(links)):
         link = links[number]
-        pull, arm = link.pull, link.arms[1]
-        at_joint, total = pull[1], (pull[0, 0] + pull[1, 0], pull[0, 1] + pull[1, 1], pull[0, 2] + pull[1, 2])
-        torque = (
-            pull[2, 0] - cross(arm, at_joint, 0),
-            pull[2, 1] - cross(arm, at_joint, 1),
-            pull[2, 2] - cross(arm, at_joint, 2),
-        )
         for k in range(link.width):
-            force[link.first + k] += _generalised(link, total, torque, k)
+            for i in range(3):
+                force[link.first + k] += link.along[i, k] * link.weight[i]
 
 
 @inlined

@@ -72,7 +72,7 @@ from .links import (
     move_points_on_links,
     place_links,
     place_points_on_links,
-    pull_links,
+    weigh_links,
 )
 from .loads import add_loads
 from .points import move_points, place_points
@@ -172,7 +172,7 @@ def act(items, functions, q, v, a):
     settles = items.counting[MODE] == EACH or items.counting[MODE] == SETTLING
     add_connectors(items.connectors, items.points, items.contacts.data, settles, items.force)
     add_linear_forces(items.linear_forces, q, v, items.force)
-    pull_links(items.links, items.force)
+    weigh_links(items.links, items.force)
     add_contacts(items.contacts, items.points, q, v, a, settles, items.force)
     add_loads(items.loads, items.points, functions, items.force)
     move_rows(items.joints.rows, functions)

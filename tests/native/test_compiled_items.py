@@ -563,6 +563,111 @@ def coordinate_vectors(b):
     b.mbs.AddObject(CoordinateVectorConstraint(markerNumbers=ground, scalingMarker0=[], **law))
 
 
+def random_tree(b):
+    """A robot of random links: the number of its object, and of its node."""
+    number, random = 5, b.random
+    lists = {
+        "jointTransformations": exudyn.Matrix3DList(
+            [RotXYZ2RotationMatrix(random.uniform(-2, 2, 3)) for _ in range(number)]
+        ),
+        "jointOffsets": exudyn.Vector3DList(random.uniform(-0.4, 0.4, (number, 3)).tolist()),
+        "linkInertiasCOM": exudyn.Matrix3DList(
+            [InertiaCuboid(300, random.uniform(0.05, 0.15, 3)).InertiaCOM() for _ in range(number)]
+        ),
+        "linkCOMs": exudyn.Vector3DList(random.uniform(-0.1, 0.1, (number, 3)).tolist()),
+    }
+    kinds, vectors = exudyn.JointType, random.uniform(0.1, 1.0, (8, number))
+    node = b.mbs.AddNode(
+        NodeGenericODE2(
+            referenceCoordinates=vectors[0],
+            initialCoordinates=vectors[1],
+            initialCoordinates_t=vectors[2],
+            numberOfODE2Coordinates=number,
+        )
+    )
+    tree = ObjectKinematicTree(
+        nodeNumber=node,
+        gravity=b.vector(9.81),
+        baseOffset=[0.3, 0.5, 0.1],
+        jointTypes=[kinds.RevoluteZ, kinds.RevoluteY, kinds.PrismaticX, kinds.RevoluteX, kinds.PrismaticZ],
+        linkParents=[-1, 0, 1, 0, -1],
+        linkMasses=0.1 + vectors[3],
+        jointForceVector=vectors[4],
+        jointPControlVector=20.0 * vectors[5],
+        jointDControlVector=vectors[6],
+        jointPositionOffsetVector=vectors[7],
+        jointVelocityOffsetVector=vectors[0],
+        **lists,
+    )
+    return b.mbs.AddObject(tree), node
+
+
+def link(b, tree, number):
+    marker = MarkerKinematicTreeRigid(objectNumber=tree, linkNumber=number, localPosition=b.vector(0.2))
+    return b.mbs.AddMarker(marker)
+
+
+def tree(b):
+    """A robot whose links are on springs and under loads."""
+    number, _ = random_tree(b)
+    for pair in [(link(b, number, 2), b.on_cable()), (b.position(0), link(b, number, 4))]:
+        law = {"stiffness": 40, "damping": 0.3, "referenceLength": 0.4}
+        b.mbs.AddObject(SpringDamper(markerNumbers=list(pair), **law))
+    law = {
+        "stiffness": np.diag([9, 8, 7, 3, 2, 1]),
+        "damping": 0.02 * np.eye(6),
+        "useIntrinsicFormulation": True,
+    }
+    pair = [link(b, number, 3), b.rigid(None)]
+    b.mbs.AddObject(RigidBodySpringDamper(markerNumbers=pair, **law))
+    b.mbs.AddLoad(LoadForceVector(markerNumber=link(b, number, 1), loadVector=[1, 2, 3], bodyFixed=True))
+    b.mbs.AddLoad(LoadTorqueVector(markerNumber=link(b, number, 3), loadVector=[0.1, 0.2, 0.3]))
+
+
+def frame_of_link(b, tree, number):
+    """Where a joint of a robot is at the start, and the frame of its link."""
+    marker = b.mbs.AddMarker(MarkerKinematicTreeRigid(objectNumber=tree, linkNumber=number))
+    b.mbs.Assemble()
+    kinds = exudyn.OutputVariableType.Position, exudyn.OutputVariableType.RotationMatrix
+    position, frame = (b.mbs.GetMarkerOutput(marker, kind) for kind in kinds)
+    return position, np.reshape(frame, (3, 3))
+
+
+def link_at(b, tree, number, place):
+    """A marker there at the start, and its frame."""
+    position, frame = frame_of_link(b, tree, number)
+    local = frame.T @ (place - position)
+    marker = MarkerKinematicTreeRigid(objectNumber=tree, linkNumber=number, localPosition=local)
+    return b.mbs.AddMarker(marker), frame
+
+
+def geared_tree(b):
+    """A robot that holds the cable's end, with two joints that turn together."""
+    number, node = random_tree(b)
+    hand, _ = link_at(b, number, 2, [1.2, 0, 0])
+    pair = [hand, b.mbs.AddMarker(MarkerNodePosition(nodeNumber=b.cable["nodes"][-1]))]
+    b.mbs.AddObject(SphericalJoint(markerNumbers=pair, constrainedAxes=[1, 1, b.dimension - 2]))
+    start = b.mbs.GetNodeParameter(node, "initialCoordinates")
+    pair = [b.coordinate(node, k) for k in (0, 3)]
+    offset = 0.5 * start[3] - start[0]
+    b.mbs.AddObject(CoordinateConstraint(markerNumbers=pair, factor1=0.5, offset=offset))
+
+
+def jointed_tree(b):
+    """Links that slide and turn on each other and on the ground."""
+    number, _ = random_tree(b)
+    place = b.vector()
+    for one, other, axes in [(2, 4, [1, 1, 0, 0, 0, 0]), (3, None, [0, 0, 0, 1, 0, 0])]:
+        marker, frame = link_at(b, number, one, place)
+        held, other_frame = (b.rigid(None), frame) if other is None else link_at(b, number, other, place)
+        if other is None:
+            b.mbs.Assemble()
+            other_frame = b.mbs.GetMarkerOutput(held, exudyn.OutputVariableType.RotationMatrix)
+        turn = np.reshape(other_frame, (3, 3)).T @ frame
+        joint = GenericJoint(markerNumbers=[marker, held], constrainedAxes=axes, rotationMarker1=turn)
+        b.mbs.AddObject(joint)
+
+
 def held_point(b):
     """A mass point one of whose coordinates is held pulls at the cable's tip by a spring."""
     way = {"referencePosition": [1.5, 0.3, 0.0], "initialVelocity": [0.5, 0.0, 0.0]}
@@ -696,6 +801,7 @@ KINDS = [
     coordinate_loads,
     mass_points,
     matrices,
+    tree,
     circles,
     spherical_joint,
     revolute_joint,
@@ -708,6 +814,8 @@ KINDS = [
     angles,
     geared_angles,
     held_point,
+    geared_tree,
+    jointed_tree,
     drums,
     coordinate_vectors,
     clamp,
@@ -930,33 +1038,20 @@ def test_bodies_and_joints_are_compiled_where_forces_are_not(kind, dimension, mo
     with_compiled_parts([kind], len(kind.__name__), dimension, "RATTLE", monkeypatch, tolerance)
 
 
-def robot(b):
-    """A tree of links: its mass depends on its coordinates, of which two are geared."""
-    kinds, number = exudyn.JointType, 4
-    start = {"referenceCoordinates": [0.0] * number, "initialCoordinates": [0.3, -0.4, -0.8, 0.1]}
-    speeds = {"initialCoordinates_t": [2.0, 0.5, 1.0, -0.3], "numberOfODE2Coordinates": number}
-    node = b.mbs.AddNode(NodeGenericODE2(**start, **speeds))
-    frames, inertia = exudyn.Matrix3DList([np.eye(3)] * number), 1e-3 * np.diag([1, 2, 3])
-    links = {
-        "jointTypes": [kinds.RevoluteZ, kinds.RevoluteY, kinds.RevoluteX, kinds.PrismaticX],
-        "linkParents": [-1, 0, 1, 2],
-        "jointTransformations": frames,
-        "jointOffsets": exudyn.Vector3DList([[1.3, 0.5, 0]] + [[0.3, 0, 0]] * 3),
-        "linkInertiasCOM": exudyn.Matrix3DList([inertia] * number),
-        "linkCOMs": exudyn.Vector3DList([[0.15, 0.02, 0.05]] * number),
-        "linkMasses": [0.3] * number,
-    }
-    tree = b.mbs.AddObject(ObjectKinematicTree(nodeNumber=node, gravity=[0, -9.81, 0], **links))
-    hand = MarkerKinematicTreeRigid(objectNumber=tree, linkNumber=number - 1, localPosition=[0.3, 0, 0])
-    pair = [b.mbs.AddMarker(hand), b.on_cable()]
-    b.mbs.AddObject(SpringDamper(markerNumbers=pair, stiffness=40, referenceLength=0.4))
-    geared = [b.coordinate(node, k) for k in (1, 2)]
-    b.mbs.AddObject(CoordinateConstraint(markerNumbers=geared, factor1=0.5))
+def of_a_mass_function(b):
+    """A pendulum in its own coordinate, of which the mass depends on it."""
+    start = {"referenceCoordinates": [0.1], "initialCoordinates": [0.3], "initialCoordinates_t": [1.0]}
+    node = b.mbs.AddNode(NodeGenericODE2(**start, numberOfODE2Coordinates=1))
+    law = {"stiffnessMatrix": np.array([[3.0]]), "dampingMatrix": np.array([[0.1]])}
+    mass = {"massMatrixUserFunction": lambda mbs, t, number, q, v: np.array([[0.2 + 0.1 * np.cos(q[0])]])}
+    b.mbs.AddObject(ObjectGenericODE2(nodeNumbers=[node], massMatrix=np.array([[0.3]]), **law, **mass))
+    pair = [b.coordinate(node, 0), b.coordinate(b.cable["nodes"][-1], 1)]
+    b.mbs.AddObject(CoordinateSpringDamper(markerNumbers=pair, stiffness=20, damping=0.1))
 
 
 @every_integrator
 def test_bodies_are_compiled_whose_mass_exudyn_says_at_each_evaluation(integrator, dimension, monkeypatch):
-    with_compiled_parts([robot, spring], 5, dimension, integrator, monkeypatch, OF_JOINTS)
+    with_compiled_parts([of_a_mass_function, tree, spring], 5, dimension, integrator, monkeypatch, OF_JOINTS)
 
 
 def filtered(b):
@@ -986,7 +1081,7 @@ def test_under_all_kinds_of_forces_bodies_and_joints_may_be_compiled(integrator,
     with_compiled_parts(kinds, 8, dimension, integrator, monkeypatch, OFF_UNITY[integrator])
 
 
-@pytest.mark.parametrize("item", [spherical_joint, robot])
+@pytest.mark.parametrize("item", [spherical_joint, geared_tree])
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_the_energy_of_compiled_bodies_under_forces_of_exudyn_is_kept(dimension, item):
     """Of bodies that turn about points off their centres of mass: the damper takes what they lose."""

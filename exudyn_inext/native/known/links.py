@@ -12,17 +12,17 @@ from ...multibody.connectors import CARTESIAN, CONNECTOR
 from ...multibody.linear_forces import LINEAR_FORCE
 from ...multibody.links import LINK
 from .points import PointReader
-from .unknown import require_no_functions
+from .unknown import UnknownItemError, require_no_functions
 
 _KINDS = [getattr(exudyn.JointType, kind + axis) for kind in ("Revolute", "Prismatic") for axis in "XYZ"]
 _CONTROL = ("jointPControlVector", "jointDControlVector")
 _OFFSETS = ("jointForceVector", "jointPositionOffsetVector", "jointVelocityOffsetVector")
 OF_JOINTS = {*_CONTROL, *_OFFSETS}
-PULLS = {"gravity", "linkForces", "linkTorques"}
+_ON_LINKS = ("linkForces", "linkTorques")  # Exudyn's forces on joints of them are not J^T f
 
 
 def read_links(data: dict[str, Any], record: int, first: int, body: Any) -> Any:
-    """(L,) records of the links of a tree, without what pulls at them, see `read_pulls`.
+    """(L,) records of the links of a tree, without their weights.
 
     Args:
         data: of the object.   record: number of the body's.
@@ -44,23 +44,22 @@ def read_links(data: dict[str, Any], record: int, first: int, body: Any) -> Any:
     return links
 
 
-def read_pulls(data: dict[str, Any]) -> Array:
-    """(L, 3, 3) weight, force at the joint and torque on each link of a tree [N, Nm]."""
-    size = len(data["linkMasses"])
-    pulls = np.zeros((size, 3, 3))
-    pulls[:, 0] = np.outer(data["linkMasses"], data["gravity"])
-    pulls[:, 1], pulls[:, 2] = (_stacked(data[name], (size, 3)) for name in ("linkForces", "linkTorques"))
-    return pulls
+def weights(data: dict[str, Any]) -> Array:
+    """(L, 3) of the links of a tree [N]."""
+    return np.outer(data["linkMasses"], data["gravity"])
 
 
 def read_control(mbs: Any, number: int, reader: PointReader) -> list[Any]:
     """Springs with dampers between the joints of a tree and the ground, see `set_control`.
 
     Raises:
-        UnknownItemError: a user function takes part.
+        UnknownItemError: a user function takes part, or forces on links.
     """
     data = mbs.GetObject(number)
-    require_no_functions(data, described(data, number))
+    name = described(data, number)
+    require_no_functions(data, name)
+    if any(_stacked(data[forces], ()).any() for forces in _ON_LINKS):
+        raise UnknownItemError(f"{name} with forces or torques on links")
     ground, springs = reader.fixed(np.zeros(3), has_frame=False).point, []
     for k in range(len(data["linkMasses"])):
         spring = np.zeros(1, CONNECTOR)[0]

@@ -30,7 +30,7 @@ from .contacts import ContactReader
 from .general_contacts import read_general_contacts
 from .joints import read_rows
 from .linear_forces import OF_MATRICES, read_linear_forces
-from .links import OF_JOINTS, PULLS, read_control, read_links, read_pulls, set_control
+from .links import OF_JOINTS, read_control, read_links, set_control, weights
 from .loads import KnownLoad, read_load
 from .points import PointReader
 from .unknown import UnknownItemError
@@ -113,7 +113,7 @@ def _links_of(mbs: Any, trees: dict[int, int], records: Any, has_forces: bool) -
     for number, record in trees.items():
         data = mbs.GetObject(number)
         own = read_links(data, record, len(links), records[record])
-        own["pull"] = read_pulls(data) if has_forces else 0.0
+        own["weight"] = weights(data) if has_forces else 0.0
         links = np.append(links, own)
     return links
 
@@ -232,8 +232,8 @@ class KnownNumbers:
         """
         kind, number, name = item
         connectors, loads = memories[0].connectors, memories[0].loads
-        if kind == "Object" and number in self.trees and name in PULLS:
-            return self._pull_again(number, memories)
+        if kind == "Object" and number in self.trees and name == "gravity":
+            return self._weigh_links_again(number, memories)
         if kind == "Object" and number in self._matrices:
             memories[0].linear_forces[self._matrices[number]] = self._read_matrices(number, connectors)
             return name in (OF_JOINTS if number in self.trees else OF_MATRICES)
@@ -250,10 +250,10 @@ class KnownNumbers:
             return False
         return is_known and self._reader.number_of_points == before
 
-    def _pull_again(self, number: int, memories: Sequence[Items]) -> bool:
-        pulls = read_pulls(self._mbs.GetObject(number))
+    def _weigh_links_again(self, number: int, memories: Sequence[Items]) -> bool:
+        of_links = weights(self._mbs.GetObject(number))
         for memory in memories:
-            memory.links["pull"][memory.links["body"] == self.trees[number]] = pulls
+            memory.links["weight"][memory.links["body"] == self.trees[number]] = of_links
         return True
 
     def _read_matrices(self, number: int, connectors: Any) -> Any:
