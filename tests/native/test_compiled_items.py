@@ -1089,7 +1089,7 @@ def test_the_energy_of_compiled_bodies_under_forces_of_exudyn_is_kept(dimension,
     for kind in (spring, of_a_function, item):
         kind(builder)
     builder.mbs.Assemble()
-    explicit = ExplicitSettings(stepSize=2e-4, startTolerance=100.0)
+    explicit = ExplicitSettings(stepSize=1e-4, startTolerance=100.0)
     with silence():
         report = SolveExplicit(builder.mbs, quiet_settings(0.4, 20), explicit)
     assert "bodies and joints are compiled" in report["path"]
