@@ -28,7 +28,7 @@ from .lowered import (
 )
 from .system import accelerate_and_project, correct_position, index_reduced_rates, report_energy
 
-MOST_PROTOCOLS = 10
+MOST_PROTOCOLS = 12
 PLACES = (  # in tables; compiled code holds them: they must not depend on what is imported first
     "index_reduced_rates",
     "accelerate_and_project",
@@ -40,6 +40,8 @@ PLACES = (  # in tables; compiled code holds them: they must not depend on what 
     "show_matrix",
     "add_contact",
     "finish_step",
+    "place_trees",
+    "move_trees",
 )
 INTEGER = np.dtype(np.int64)
 
@@ -48,7 +50,7 @@ class Called(NamedTuple):
     """Any system, for kernels that shall not depend on its type.
 
     address: where it lies in memory, as compiled code holds it; without the compiler, the system itself.
-    functions: (10,) addresses of its implementations of protocols, by their places; 0: none was asked for.
+    functions: (12,) addresses of its implementations of protocols, by their places; 0: none was asked for.
     """
 
     address: Any

@@ -1,4 +1,4 @@
-"""Rigid bodies, whose mass matrices are constant in their frames; trees of links, see `links`.
+"""Rigid bodies, whose mass matrices are constant in their frames; trees of links, see `trees`.
 
 With the orientation A, the angular velocity w = G p_t in the frame of the body, and T with G T = 1,
 
@@ -25,7 +25,7 @@ BODY = record_type(
         ("rates", np.float64, (3, 4)),  # G
         ("inverse_rates", np.float64, (4, 3)),  # T
         ("spin", np.float64, (3,)),  # w in the frame of the body [rad/s]
-        ("bias", np.float64, (6,)),  # G_t p_t [rad/s^2]; of what does not turn, see `links`: h
+        ("bias", np.float64, (6,)),  # G_t p_t [rad/s^2]; of what does not turn, see `trees`: h
         ("wrench", np.float64, (6,)),  # right-hand side, and what it is solved for
         ("normal", np.float64, (4,)),  # p of a quaternion over |p|^2
         ("target", np.float64),  # of p . p_tt, p . p_t or p . dp

@@ -14,6 +14,7 @@ from .dashpots import rows_of_dashpots
 from .implicit_contacts import add_contact, mark_implicit
 from .rows import ROW
 from .scene import Items, SceneSystem
+from .trees import trees_of
 
 FunctionOfTime = Callable[[Sequence[float]], Array]
 """Times (T,) [s] -> (T, 3) numbers that depend on the time alone."""
@@ -64,7 +65,8 @@ def build_scene(
     if implicit:
         provide_cables(cables, chains, add_contact)
     acting = known.connectors, known.linear_forces, known.loads, known.contacts
-    records = known.bodies, known.links, known.points, known.sliders, *acting
+    trees = trees_of(known.links, known.bodies, known.points)
+    records = known.bodies, known.links, trees, known.points, known.sliders, *acting
     items = Items(*records, joints, force, given, predicted, path, np.zeros(2, np.int64))
     number = places[-1].stop if places else 0
     ahead = np.repeat(cables.inputs[:-1] - cables.dofs[:-1], np.diff(cables.dofs))  # motions of those before

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..called_system import by_address, call_protocol, calls, has_nothing, implements
+from ..called_system import Called, by_address, call_protocol, calls, has_nothing, implements
 from ..compiled import called_kernel, inlined, inlined_kernel, kernel, protocol
 from ..integrators.integrator import LoadHistory, advance, external_force
 from ..lowered import COUNT, VECTOR
@@ -67,17 +67,11 @@ from .joints import (
     subtract_forces_of_dashpots,
 )
 from .linear_forces import add_linear_forces
-from .links import (
-    move_links,
-    move_points_on_links,
-    place_links,
-    place_points_on_links,
-    weigh_links,
-)
 from .loads import add_loads
 from .points import move_points, place_points
 from .rows import move_rows
 from .sliding import move_sliders, place_sliders
+from .trees import move_trees, place_trees
 
 NOT_COUNTED, EACH, ALL_BUT_FIRST, SETTLING = range(4)  # evaluations whose work is counted
 MODE, EVALUATION = range(2)
@@ -88,7 +82,7 @@ TRIALS = 4  # solves in one evaluation, until those contacts act that press
 class Items(NamedTuple):
     """All but the cables: records, and memory.
 
-    bodies, links, points, connectors, linear_forces, loads: records.
+    bodies, links, points, connectors, linear_forces, loads: records.   trees: of links, called by address.
     sliders, contacts, joints: see `Sliders`, `Contacts`, `Joints`.
     force: (n,) what connectors, contacts and loads do to all coordinates [N, Nm].
     given: (n,) what others do.   predicted: (n,) velocities at which they act.
@@ -98,6 +92,7 @@ class Items(NamedTuple):
 
     bodies: Any
     links: Any
+    trees: Called
     points: Any
     sliders: Any
     connectors: Any
@@ -139,7 +134,7 @@ def _count_work(items, q):
 @inlined
 def _move_points(items, q, v):
     move_points(items.points, items.bodies, q, v)
-    move_points_on_links(items.points, items.links, v)
+    move_trees(items.trees, v)
     move_sliders(items.sliders, items.points, q, v)
 
 
@@ -150,10 +145,8 @@ def _place(items, q, v):
         place_body(body, q)
         set_normal(body)
         move_body(body, q, v)
-    place_links(items.links, items.bodies, q)
-    move_links(items.links, items.bodies, v)
     place_points(items.points, items.bodies, q)
-    place_points_on_links(items.points, items.links)
+    place_trees(items.trees, q)
     place_sliders(items.sliders, items.points, q)
     _move_points(items, q, v)
 
@@ -172,7 +165,6 @@ def act(items, functions, q, v, a):
     settles = items.counting[MODE] == EACH or items.counting[MODE] == SETTLING
     add_connectors(items.connectors, items.points, items.contacts.data, settles, items.force)
     add_linear_forces(items.linear_forces, q, v, items.force)
-    weigh_links(items.links, items.force)
     add_contacts(items.contacts, items.points, q, v, a, settles, items.force)
     add_loads(items.loads, items.points, functions, items.force)
     move_rows(items.joints.rows, functions)
@@ -198,7 +190,6 @@ def hold(items, q, v):
     """Jacobian and gamma of the joints at (q, v), after `act`, and the responses of bodies."""
     for b in range(len(items.bodies)):
         move_body(items.bodies[b], q, v)
-    move_links(items.links, items.bodies, v)
     _move_points(items, q, v)
     set_values(items.joints, items.points)
     aim_dashpots(items.joints, items.connectors, items.points)
@@ -337,9 +328,8 @@ def _correct_items(items, functions, q, learning, correction):
         for i in range(body.translations + body.rotations):
             correction[body.first + i] = 0.0
         add_lever(body, correction[body.first :])
-    place_links(items.links, items.bodies, q)
     place_points(items.points, items.bodies, q)
-    place_points_on_links(items.points, items.links)
+    place_trees(items.trees, q)
     place_sliders(items.sliders, items.points, q)
     move_rows(joints.rows, functions)
     set_values(joints, items.points)
@@ -364,9 +354,9 @@ def correct_scene_position(system, external, q, tolerance, learning, correction)
 @implements(report_energy, SceneSystem)
 def report_energy_of_scene(system, external, q, v, a, force, energy_report):
     """Violations are those of the cables alone; work of the items is counted along the way."""
-    cables, bodies, links = system.cables, system.items.bodies, system.items.links
+    cables, bodies, trees = system.cables, system.items.bodies, system.items.trees
     elastic, power, violation = 0.0, power_of_offsets(system.items.joints), 0.0
-    kinetic, of_acceleration = bodies_energy(bodies, links, q, v), bodies_energy(bodies, links, q, a)
+    kinetic, of_acceleration = bodies_energy(bodies, trees, q, v), bodies_energy(bodies, trees, q, a)
     resolved = of_acceleration
     for k in range(len(cables.functions)):
         i, j = cables.dofs[k], cables.dofs[k + 1]
@@ -390,10 +380,10 @@ def report_energy_of_scene(system, external, q, v, a, force, energy_report):
 
 
 @inlined_kernel
-def bodies_energy(bodies, links, q, v):
+def bodies_energy(bodies, trees, q, v):
     """Kinetic energy [J] of velocities v (n,) at q (n,)."""
     total = 0.0
-    place_links(links, bodies, q)
+    place_trees(trees, q)
     for b in range(len(bodies)):
         body = bodies[b]
         place_body(body, q)
@@ -429,10 +419,10 @@ def leave_out_turns(bodies, way):
 
 
 @kernel
-def subtract_inertia_forces(bodies, links, q, v, force):
+def subtract_inertia_forces(bodies, trees, q, v, force):
     """Take those of all bodies that move with v (n,) at q (n,) off the forces (n,)."""
-    place_links(links, bodies, q)
-    move_links(links, bodies, v)
+    place_trees(trees, q)
+    move_trees(trees, v)
     for b in range(len(bodies)):
         body = bodies[b]
         place_body(body, q)
@@ -441,14 +431,13 @@ def subtract_inertia_forces(bodies, links, q, v, force):
 
 
 @kernel
-def joint_violation(bodies, links, points, sliders, joints, functions, q):
+def joint_violation(bodies, trees, points, sliders, joints, functions, q):
     """Largest |c| at q (n,).   functions: (F,) of time.   others: see `Items`."""
     move_rows(joints.rows, functions)
     for b in range(len(bodies)):
         place_body(bodies[b], q)
-    place_links(links, bodies, q)
     place_points(points, bodies, q)
-    place_points_on_links(points, links)
+    place_trees(trees, q)
     place_sliders(sliders, points, q)
     set_values(joints, points)
     return largest_value(joints, 0.0)

@@ -112,7 +112,7 @@ def require_agreement(
         if not has_forces:
             form.given[: len(scene.map.indices)] = scene.native_items.native_forces
             items = form.system.items
-            subtract_inertia_forces(items.bodies, items.links, at, rates, form.given)
+            subtract_inertia_forces(items.bodies, items.trees, at, rates, form.given)
             form.weigh()
         found.append(_evaluated(form, external, at, rates, len(scene.map.indices)))
         wanted.append(_evaluated_by_exudyn(scene, t, at, rates, given, form.multipliers))

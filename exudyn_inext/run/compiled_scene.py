@@ -36,6 +36,7 @@ from ..multibody.scene import (
     take_steps,
 )
 from ..multibody.sliding import BEYOND, PLACE
+from ..multibody.trees import trees_of
 from ..scene.redundant_rows import NOT_FINITE, dependent_rows, not_independent
 from ..system import (
     ACCELERATION_ENERGY,
@@ -483,7 +484,8 @@ class CompiledScene:
         copies.joints.rows["lag"] = 0.0
         copies.bodies["drift_correction"] = 0.0
         forces = {name: getattr(items, name) for name in _CHANGING}
-        return self.system._replace(cables=own, items=copies._replace(**forces))
+        trees = trees_of(copies.links, copies.bodies, copies.points)
+        return self.system._replace(cables=own, items=copies._replace(trees=trees, **forces))
 
     def _joined_forces(self, system: SceneSystem) -> Array:
         """(n,) what items and joints did at the last evaluation of that system."""
@@ -535,7 +537,7 @@ class CompiledScene:
     def _joined(self) -> tuple[Any, ...]:
         """What `joint_violation` looks at."""
         items = self.system.items
-        return items.bodies, items.links, items.points, items.sliders, items.joints
+        return items.bodies, items.trees, items.points, items.sliders, items.joints
 
     def violation(self, t: float, q: Array) -> float:
         """Largest |c| of the joints [m, -]."""

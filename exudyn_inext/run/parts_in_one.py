@@ -34,7 +34,7 @@ class CompiledParts:
         self._bodies = self._items.bodies[: len(self._items.bodies) - states]
         self._states, self._has_states = slice(len(form.given) - states, None), states > 0
         self.multipliers = form.multipliers
-        self._subtract_inertia = partial(Prepared(subtract_inertia_forces), self._bodies, self._items.links)
+        self._subtract_inertia = partial(Prepared(subtract_inertia_forces), self._bodies, self._items.trees)
         changes = form.numbers.changing_masses
         self.subtract_inertia = self._subtract_and_weigh if changes else self._subtract_inertia
         form.given[:] = 0.0
@@ -129,4 +129,4 @@ class CompiledParts:
 
     def kinetic_energy_of_bodies(self, q: Array, v: Array) -> float:
         """[J], with velocities v (n,) at q (n,)."""
-        return float(bodies_energy(self._bodies, self._items.links, q, v))
+        return float(bodies_energy(self._bodies, self._items.trees, q, v))

@@ -43,13 +43,13 @@ class KnownBodies(NamedTuple):
     """records: (B,), those that turn by quaternions first.   numbers: of records, by those of the objects.
 
     Objects of matrices have any number of records, and no number.
-    changing: bodies whose masses Exudyn says, by numbers of records.   trees: of links, the same.
+    changing: bodies whose masses Exudyn says, by numbers of records.   trees: as `numbers`, of links.
     """
 
     records: Any
     numbers: dict[int, int]
     changing: dict[int, Body]
-    trees: dict[int, Body]
+    trees: dict[int, int]
 
 
 def read_body_records(
@@ -80,9 +80,9 @@ def read_body_records(
     numbers = {body.number: k for k, (body, is_alone, _) in enumerate(found) if is_alone}
     of_matrices = ((k, body) for k, (body, is_alone, _) in enumerate(found) if not is_alone)
     changing = {k: body for k, body in of_matrices if not body.has_constant_mass}
-    trees = {k: body for k, body in changing.items() if mbs.GetObject(body.number)["objectType"] == _TREE}
-    others = {k: body for k, body in changing.items() if k not in trees}
-    return KnownBodies(records, numbers, others, trees)
+    kinds = {k: mbs.GetObject(body.number)["objectType"] for k, body in changing.items()}
+    trees = {changing.pop(k).number: k for k, kind in kinds.items() if kind == _TREE}
+    return KnownBodies(records, numbers, changing, trees)
 
 
 def first_order_records(first: int, number: int) -> Any:

@@ -192,13 +192,18 @@ class PointReader:
         point["along"][:, :translations] = _ALONG[:, :translations]
         return self._add(point, has_frame=has_frame)
 
-    def _on_link(self, data: dict[str, Any]) -> Place:
-        own = np.flatnonzero(self._links["body"] == self._of_trees[int(data["objectNumber"])])
-        number = int(own[data["linkNumber"]])
-        link = self._links[number]
-        point = _new(ON_LINK, int(link["first"]), int(link["width"]))
-        point["body"], point["local"] = number, data["localPosition"] - link["centre"]
+    def centre_of_link(self, tree: int, which: int) -> Place:
+        """That of the mass of a link.   tree: number of the object."""
+        number = int(np.flatnonzero(self._links["body"] == self._of_trees[tree])[which])
+        point = _new(ON_LINK, int(self._links["first"][number]), int(self._links["width"][number]))
+        point["body"] = number
         return self._add(point, has_frame=True)
+
+    def _on_link(self, data: dict[str, Any]) -> Place:
+        place = self.centre_of_link(int(data["objectNumber"]), int(data["linkNumber"]))
+        point = self._points[place.point]
+        point["local"] = data["localPosition"] - self._links["centre"][point["body"]]
+        return place
 
     def centre_of_mass(self, number: int) -> Place:
         """That of a body, from its mass matrix, or of a mass point; UnknownItemError of other objects."""

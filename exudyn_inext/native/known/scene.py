@@ -15,7 +15,6 @@ from ...items.parameters import Parameter, markers_placed_by
 from ...multibody.build import KnownItems
 from ...multibody.connectors import CONNECTOR
 from ...multibody.linear_forces import LINEAR_FORCE
-from ...multibody.links import LINK
 from ...multibody.loads import LOAD, NONE
 from ...multibody.scene import Items
 from ...run.compiled_scene import ChangedItem
@@ -30,9 +29,9 @@ from .contacts import ContactReader
 from .general_contacts import read_general_contacts
 from .joints import read_rows
 from .linear_forces import OF_MATRICES, read_linear_forces
-from .links import OF_JOINTS, read_control, read_links, set_control, weights
 from .loads import KnownLoad, read_load
 from .points import PointReader
+from .trees import ACTING, ActingOnTree, read_links
 from .unknown import UnknownItemError
 
 _WEIGHT = "MassProportional"  # load
@@ -56,12 +55,11 @@ def read_known_items(
     if has_forces and states:
         raise UnknownItemError("states of first order")
     records, of_bodies, changes, trees = read_body_records(mbs, bodies, coordinates, q, not has_forces)
-    trees = {body.number: record for record, body in trees.items()}
     mass, start = scene.body_system.mass_at, coordinates.slices[-1].start
     changing = [ChangingMass(k, body, mass(int(records["first"][k]) - start)) for k, body in changes.items()]
     if states:
         records = np.append(records, first_order_records(len(coordinates.indices), states))
-    links = _links_of(mbs, trees, records, has_forces)
+    links = read_links(mbs, trees, records)
     reader = PointReader(mbs, coordinates, start, records, of_bodies, links, trees)
     rows, functions, of_moved, movable, sliders = read_rows(mbs, scene.joints, reader, moved)
     if of_moved.steered and not has_forces:
@@ -88,34 +86,8 @@ def read_known_items(
                 "GeneralContact beside what keeps data: circles, or springs that turn or rub"
             )
         contacts = general
-    known = (
-        records,
-        links,
-        reader.records,
-        sliders,
-        rows,
-        springs,
-        items.linear_forces,
-        loads,
-        contacts,
-        functions,
-    )
-    return KnownItems(*known), items
-
-
-def _links_of(mbs: Any, trees: dict[int, int], records: Any, has_forces: bool) -> Any:
-    """(L,) records of the ground and the links of all trees, if there are any.
-
-    trees: numbers of their records, by those of the objects.   has_forces: whether these are read.
-    """
-    links = np.zeros(1 if trees else 0, LINK)
-    links["orientation"], links["body"] = np.eye(3), -1
-    for number, record in trees.items():
-        data = mbs.GetObject(number)
-        own = read_links(data, record, len(links), records[record])
-        own["weight"] = weights(data) if has_forces else 0.0
-        links = np.append(links, own)
-    return links
+    placed = records, links, reader.records, sliders, rows
+    return KnownItems(*placed, springs, items.linear_forces, loads, contacts, functions), items
 
 
 class KnownNumbers:
@@ -148,9 +120,9 @@ class KnownNumbers:
         self.functions: list[Asked] = []
         self.changing_masses: list[ChangingMass] = []
         self.trees: dict[int, int] = {}  # numbers of their records, by those of the objects
+        self._on_trees: dict[int, tuple[slice, slice, ActingOnTree]] = {}  # places of springs and loads
         self._springs: dict[int, tuple[int, KnownConnector]] = {}  # place of each, by its number
         self._matrices: dict[int, slice] = {}  # places of their linear forces
-        self._controls: dict[int, slice] = {}  # of the springs of joints of trees
         self._forces: dict[int, tuple[int, KnownLoad]] = {}
 
     def add_object(self, number: int) -> None:
@@ -160,12 +132,11 @@ class KnownNumbers:
         if is_inert or self._reader.is_on_other_node(data):
             return
         if number in self.trees:
-            begin = len(self.connectors)
-            self.connectors += read_control(self._mbs, number, self._reader)
-            self._controls[number] = slice(begin, len(self.connectors))
-        if number in self.trees or data["objectType"] == "GenericODE2":
+            self._add_tree(number)
+            return
+        if data["objectType"] == "GenericODE2":
             begin = len(self.linear_forces)
-            self.linear_forces = np.append(self.linear_forces, self._read_matrices(number, self.connectors))
+            self.linear_forces = np.append(self.linear_forces, self._read_matrices(number))
             self._matrices[number] = slice(begin, len(self.linear_forces))
             return
         is_active = data.get("activeConnector", True)
@@ -173,6 +144,13 @@ class KnownNumbers:
             spring = read_connector(data, number, self._reader)
             self._springs[number] = len(self.connectors), spring
             self.connectors.append(spring.record)
+
+    def _add_tree(self, number: int) -> None:
+        tree = ActingOnTree(self._mbs, number, self._reader.bodies[self.trees[number]], self._reader)
+        springs, loads = len(self.connectors), len(self.loads)
+        self.connectors += list(tree.springs)
+        self.loads += list(tree.loads)
+        self._on_trees[number] = slice(springs, len(self.connectors)), slice(loads, len(self.loads)), tree
 
     def add_load(self, number: int) -> None:
         """UnknownItemError if it has no compiled form."""
@@ -232,11 +210,12 @@ class KnownNumbers:
         """
         kind, number, name = item
         connectors, loads = memories[0].connectors, memories[0].loads
-        if kind == "Object" and number in self.trees and name == "gravity":
-            return self._weigh_links_again(number, memories)
+        if kind == "Object" and number in self._on_trees:
+            own_springs, own_loads, tree = self._on_trees[number]
+            tree.update(connectors[own_springs], loads[own_loads])
+            return name in ACTING
         if kind == "Object" and number in self._matrices:
-            memories[0].linear_forces[self._matrices[number]] = self._read_matrices(number, connectors)
-            return name in (OF_JOINTS if number in self.trees else OF_MATRICES)
+            return name in OF_MATRICES and self._matrices_again(number, memories[0].linear_forces)
         if kind == "Object" and number in self._bodies:
             return self._weigh_again(number, memories)
         if kind == "Marker" or number not in (self._forces if kind == "Load" else self._springs):
@@ -250,24 +229,18 @@ class KnownNumbers:
             return False
         return is_known and self._reader.number_of_points == before
 
-    def _weigh_links_again(self, number: int, memories: Sequence[Items]) -> bool:
-        of_links = weights(self._mbs.GetObject(number))
-        for memory in memories:
-            memory.links["weight"][memory.links["body"] == self.trees[number]] = of_links
-        return True
-
-    def _read_matrices(self, number: int, connectors: Any) -> Any:
-        """Linear forces of an object, and springs of its joints."""
-        if number in self.trees:
-            springs, body = connectors[self._controls[number]], self._reader.bodies[self.trees[number]]
-            return set_control(self._mbs.GetObject(number), springs, body)
+    def _read_matrices(self, number: int) -> Any:
         return read_linear_forces(self._mbs, number, self._coordinates)
+
+    def _matrices_again(self, number: int, linear_forces: Any) -> bool:
+        linear_forces[self._matrices[number]] = self._read_matrices(number)
+        return True
 
     def has_same_entries(self, number: int) -> bool:
         """Whether matrices of an object are zero where they were when they were read."""
-        if number not in self._matrices or number in self.trees:
+        if number not in self._matrices:
             return True
-        found, own = self._read_matrices(number, ()), self.linear_forces[self._matrices[number]]
+        found, own = self._read_matrices(number), self.linear_forces[self._matrices[number]]
         return all(np.array_equal(found[name], own[name]) for name in ("row", "column"))
 
     def _place_again(self, item: ChangedItem, memories: Sequence[Items]) -> bool:

@@ -1,17 +1,30 @@
-"""Links of kinematic trees: one joint each, whose coordinate it has; all of a tree are one body.
+"""Kinematic trees: links with one joint each, whose coordinate they have; all of a tree are one body.
 
 With the Jacobians J and J_w of the centre of mass of a link and of its angular velocity w, its inertia I
 about that centre, and the parts a_0 and w_0 of its accelerations with those of the coordinates zero,
 
     M q_tt = f - h,    M = sum of m J^T J + J_w^T I J_w,    h = sum of J^T m a_0 + J_w^T (I w_0 + w x I w).
 
-See Exudyn's ObjectKinematicTree.
+See Exudyn's ObjectKinematicTree. Scenes call them by address: most have none.
 """
+
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..arrays import record_type
-from ..compiled import called_kernel, inlined
+from ..called_system import (
+    MOST_PROTOCOLS,
+    Called,
+    by_address,
+    call_protocol,
+    called,
+    calls,
+    implements,
+    provide,
+)
+from ..compiled import inlined, protocol
+from ..lowered import VECTOR
 from .points import ON_LINK, cross
 
 MOST = 6  # coordinates of a tree: those of a body that does not turn
@@ -31,7 +44,6 @@ LINK = record_type(
         ("reference", np.float64),  # what is added to the coordinate
         ("mass", np.float64),
         ("inertia", np.float64, (3, 3)),  # about the centre of mass
-        ("weight", np.float64, (3,)),  # in the global frame
         ("arms", np.float64, (2, 3)),  # from the parent's centre to the joint, and on to the link's
         ("direction", np.float64, (3,)),  # of the axis
         ("turned", np.float64, (3, 3)),  # I in the global frame
@@ -44,6 +56,39 @@ LINK = record_type(
     ]
 )
 """A link with its frame at present; the first record is the ground."""
+
+
+class Trees(NamedTuple):
+    """Records: links of all trees, and bodies and points of the scene."""
+
+    links: Any
+    bodies: Any
+    points: Any
+
+
+@protocol
+def place_trees(trees, q):
+    """Frames and masses at q (n,), and points on links, `local` from the centre of mass."""
+
+
+@protocol
+def move_trees(trees, v):
+    """Rates at the velocities v (n,), h, and accelerations of points with those of the coordinates zero."""
+
+
+PLACING, MOVING = by_address(place_trees, VECTOR), by_address(move_trees, VECTOR)
+
+
+@calls(place_trees)
+def place_called_trees(trees, q):
+    if trees.functions[PLACING] != 0:
+        call_protocol(trees, PLACING, (q,))
+
+
+@calls(move_trees)
+def move_called_trees(trees, v):
+    if trees.functions[MOVING] != 0:
+        call_protocol(trees, MOVING, (v,))
 
 
 @inlined
@@ -135,8 +180,8 @@ def _invert(matrix, size, inverse):
                     inverse[i, j] -= multiple * inverse[p, j]
 
 
-@called_kernel
-def place_links(links, bodies, q):
+@inlined
+def _place_links(links, bodies, q):
     """Frames, Jacobians, and the masses of trees at q (n,)."""
     for number in range(1, len(links)):
         link = links[number]
@@ -198,8 +243,8 @@ def _inertia_moment(link, i):
     return rate + link.spin[j] * at_m - link.spin[m] * at_j
 
 
-@called_kernel
-def move_links(links, bodies, v):
+@inlined
+def _move_links(links, bodies, v):
     """Rates, and h of trees, at the velocities v (n,); the links are placed."""
     for number in range(1, len(links)):
         link = links[number]
@@ -213,16 +258,6 @@ def move_links(links, bodies, v):
         moment = (_inertia_moment(link, 0), _inertia_moment(link, 1), _inertia_moment(link, 2))
         for k in range(link.width):
             bias[k] += _generalised(link, force, moment, k)
-
-
-@inlined
-def weigh_links(links, force):
-    """Add the weights of all links to force (n,); they are placed."""
-    for number in range(1, len(links)):
-        link = links[number]
-        for k in range(link.width):
-            for i in range(3):
-                force[link.first + k] += link.along[i, k] * link.weight[i]
 
 
 @inlined
@@ -240,10 +275,11 @@ def _place_on_link(point, link):
             point.along[i, k] = link.along[i, k] + cross(link.about[:, k], point.x[2], i)
 
 
-@inlined
-def place_points_on_links(points, links):
-    """Those of links, `local` from the centre of mass: frames and Jacobians; the links are placed."""
-    for p in range(len(points) if len(links) > 0 else 0):
+@implements(place_trees, Trees)
+def place_all_trees(trees, q):
+    links, points = trees.links, trees.points
+    _place_links(links, trees.bodies, q)
+    for p in range(len(points)):
         if points[p].kind == ON_LINK:
             _place_on_link(points[p], links[points[p].body])
 
@@ -265,9 +301,20 @@ def _move_on_link(point, link, v):
         point.x[2, i] = link.x[1, i] + _swing(link.spin, link.spin_rate, arm, i)
 
 
-@inlined
-def move_points_on_links(points, links, v):
-    """Velocities, and accelerations with those of the coordinates zero; the links move."""
-    for p in range(len(points) if len(links) > 0 else 0):
+@implements(move_trees, Trees)
+def move_all_trees(trees, v):
+    links, points = trees.links, trees.points
+    _move_links(links, trees.bodies, v)
+    for p in range(len(points)):
         if points[p].kind == ON_LINK:
             _move_on_link(points[p], links[points[p].body], v)
+
+
+def trees_of(links: Any, bodies: Any, points: Any) -> Called:
+    """All trees of a scene, for its kernels.   links: none, or the ground and those of trees."""
+    if not len(links):
+        return Called(0, np.zeros(MOST_PROTOCOLS, np.int64))
+    system = Trees(links, bodies, points)
+    trees = called(system, place_trees, move_trees)
+    provide(trees.functions, system, place_trees, move_trees)
+    return trees
