@@ -13,20 +13,26 @@ import numpy as np
 from ..arrays import record_type
 from ..compiled import inlined
 
+MOST = 7  # coordinates of a body
+
 BODY = record_type(
     [
         ("first", np.int64),  # coordinate among all of the scene
-        ("translations", np.int64),  # coordinates: 1, 2 or 3; up to 6 of what does not turn
+        ("translations", np.int64),  # coordinates: 1, 2 or 3; up to 7 of what does not turn
         ("rotations", np.int64),  # coordinates: 0, 1 (angle about z), 3 (angles x, y, z) or 4 (quaternion)
-        ("reference", np.float64, (7,)),
-        ("mass", np.float64, (6, 6)),  # in the frame of the body; of what does not turn, of its coordinates
-        ("inverse", np.float64, (6, 6)),  # of it, zero for directions in which it cannot move
+        ("reference", np.float64, (MOST,)),
+        (
+            "mass",
+            np.float64,
+            (MOST, MOST),
+        ),  # in the frame of the body; of what does not turn, of its coordinates
+        ("inverse", np.float64, (MOST, MOST)),  # of it, zero for directions in which it cannot move
         ("orientation", np.float64, (3, 3)),  # A
         ("rates", np.float64, (3, 4)),  # G
         ("inverse_rates", np.float64, (4, 3)),  # T
         ("spin", np.float64, (3,)),  # w in the frame of the body [rad/s]
-        ("bias", np.float64, (6,)),  # G_t p_t [rad/s^2]; of what does not turn, see `trees`: h
-        ("wrench", np.float64, (6,)),  # right-hand side, and what it is solved for
+        ("bias", np.float64, (MOST,)),  # G_t p_t [rad/s^2]; of what does not turn, see `trees`: h
+        ("wrench", np.float64, (MOST,)),  # right-hand side, and what it is solved for
         ("normal", np.float64, (4,)),  # p of a quaternion over |p|^2
         ("target", np.float64),  # of p . p_tt, p . p_t or p . dp
         ("drift_correction", np.float64),  # what p . p_tt lacked in the last step
@@ -314,14 +320,14 @@ def aim_at_place(body, q, learning):
 def twice_energy(body, v):
     """Of velocities v (k,) of the body alone, twice its kinetic energy [J]; the body is placed."""
     moving, total = body.wrench, 0.0
-    for i in range(6):
+    for i in range(MOST):
         moving[i] = v[i] if body.rotations == 0 and i < body.translations else 0.0
     for i in range(3 if body.rotations > 0 else 0):
         for j in range(body.translations):
             moving[i] += body.orientation[j, i] * v[j]
         for j in range(body.rotations):
             moving[3 + i] += body.rates[i, j] * v[body.translations + j]
-    for i in range(6):
-        for j in range(6):
+    for i in range(MOST):
+        for j in range(MOST):
             total += moving[i] * body.mass[i, j] * moving[j]
     return total

@@ -25,9 +25,8 @@ from ..called_system import (
 )
 from ..compiled import inlined, protocol
 from ..lowered import VECTOR
+from .bodies import MOST
 from .points import ON_LINK, cross
-
-MOST = 6  # coordinates of a tree: those of a body that does not turn
 
 LINK = record_type(
     [

@@ -248,11 +248,12 @@ class BodyMasses:
             self.held_mass[:] = initial[np.ix_(self.held, self.held)].toarray()
             self.coupling[:] = initial[np.ix_(self.held, self.coordinates)].toarray()
         self._needs_total = not all(body.tells_mass for group in variable for body in group)
-        by_size: dict[int, list[tuple[list[Body], np.ndarray]]] = {}
+        starts = {int(self._local(quaternion.coordinates)[0]) for quaternion in quaternions}
+        by_kind: dict[tuple[int, bool], list[tuple[list[Body], np.ndarray]]] = {}
         for group in variable:
             dofs = self._dofs_of(group)
-            by_size.setdefault(len(dofs), []).append((group, dofs))
-        self._stacks = [self._stack(alike, quaternions) for _, alike in sorted(by_size.items())]
+            by_kind.setdefault((len(dofs), starts.isdisjoint(dofs.tolist())), []).append((group, dofs))
+        self._stacks = [self._stack(alike, quaternions) for _, alike in sorted(by_kind.items())]
         blocks = [block for block in map(self._block, constant) if len(block.dofs)]
         self._require_mass(blocks, is_initial=True)
         variables = [stack.blocks for stack in self._stacks]
@@ -321,7 +322,7 @@ class BodyMasses:
     def _stack(
         self, groups: Sequence[tuple[Sequence[Body], np.ndarray]], quaternions: Sequence[Quaternion]
     ) -> _Stack:
-        """Of groups with equally many coordinates, and their places."""
+        """Of groups with equally many coordinates, and their places; all have quaternions, or none has."""
         dofs = np.stack([own for _, own in groups])
         bodies = [[(body, self._places(own, body.coordinates)) for body in group] for group, own in groups]
         first, reference = np.full(len(groups), -1), np.zeros((len(groups), 4))

@@ -563,9 +563,20 @@ def coordinate_vectors(b):
     b.mbs.AddObject(CoordinateVectorConstraint(markerNumbers=ground, scalingMarker0=[], **law))
 
 
+JOINTS_OF_TREE = [
+    "RevoluteZ",
+    "RevoluteY",
+    "PrismaticX",
+    "RevoluteX",
+    "PrismaticZ",
+    "RevoluteY",
+    "PrismaticY",
+]
+
+
 def random_tree(b):
     """A robot of random links: the number of its object, and of its node."""
-    number, random = 5, b.random
+    number, random = 7, b.random
     lists = {
         "jointTransformations": exudyn.Matrix3DList(
             [RotXYZ2RotationMatrix(random.uniform(-2, 2, 3)) for _ in range(number)]
@@ -589,8 +600,8 @@ def random_tree(b):
         nodeNumber=node,
         gravity=b.vector(9.81),
         baseOffset=[0.3, 0.5, 0.1],
-        jointTypes=[kinds.RevoluteZ, kinds.RevoluteY, kinds.PrismaticX, kinds.RevoluteX, kinds.PrismaticZ],
-        linkParents=[-1, 0, 1, 0, -1],
+        jointTypes=[getattr(kinds, name) for name in JOINTS_OF_TREE],
+        linkParents=[-1, 0, 1, 0, -1, 4, 2],
         linkMasses=0.1 + vectors[3],
         jointForceVector=vectors[4],
         jointPControlVector=20.0 * vectors[5],

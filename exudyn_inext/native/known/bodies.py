@@ -9,7 +9,7 @@ import scipy
 
 from ...arrays import Array, collected
 from ...items.arguments import described
-from ...multibody.bodies import BODY, place_body
+from ...multibody.bodies import BODY, MOST, place_body
 from ..bodies import Body
 from ..coordinates import CoordinateMap
 from .unknown import UnknownItemError, require_no_functions
@@ -28,7 +28,6 @@ _OF_MATRICES = {"GenericODE2", _TREE}  # objects whose coordinates are nothing b
 _POINTS = {"Point", "Point2D"}  # nodes, each of which is one body: markers lie there
 _NODES = {*_POINTS, "1D", "GenericODE2"}  # whose masses are those of their coordinates
 MOST_CONDITION = 1e15  # of a mass
-MOST = 6  # coordinates of a body that does not turn
 _OBJECTS = {"Mass1D", "RotationalMass1D", "MassPoint", "MassPoint2D", "RigidBody2D", "RigidBody"}
 # numbers of translations and rotations -> directions in which a body can move, of the frame of the body
 _FREE = {
@@ -156,7 +155,7 @@ def _bodies_of_matrix(
         if size > MOST:
             raise UnknownItemError(f"{name}, whose mass couples more than {MOST} coordinates")
         record, fields = _new_record(name, places[own].tolist(), (size, 0), reference[own])
-        mass = np.zeros((6, 6))
+        mass = np.zeros((MOST, MOST))
         mass[:size, :size] = body.initial_mass[np.ix_(own, own)]
         if not set_mass(fields, mass):
             raise UnknownItemError(f"{name}, which has no mass in one direction")
@@ -174,8 +173,8 @@ def _coupled(body: Body, nodes: Sequence[dict[str, Any]]) -> np.ndarray:
 
 
 def set_mass(body: Any, mass: Array) -> bool:
-    """Give a record this mass (6, 6); returns whether that resists in all directions."""
-    body.mass[:] = mass
+    """Give a record this mass (k, k); returns whether that resists in all directions."""
+    body.mass[: len(mass), : len(mass)] = mass
     rows = np.array(_FREE[int(body.translations), int(body.rotations)])[:, None]
     among = rows, rows.T
     own = mass[among]
