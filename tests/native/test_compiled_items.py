@@ -1213,6 +1213,44 @@ def test_springs_and_loads_that_change_between_steps_are_followed(by_exudyn, mon
     assert np.abs(found - run(hanging())[0]).max() > 1e-3
 
 
+def steered_tree(parameter, value):
+    """Coordinates at the end, with a parameter of a robot that is set to `value(t)`; and the path."""
+    builder = Builder(3, 3)
+    number, _ = random_tree(builder)
+    pair = [link(builder, number, 6), builder.on_cable()]
+    builder.mbs.AddObject(SpringDamper(markerNumbers=pair, stiffness=40, referenceLength=0.4))
+    builder.mbs.SetPreStepUserFunction(
+        lambda mbs, t: mbs.SetObjectParameter(number, parameter, value(t)) or True
+    )
+    builder.mbs.Assemble()
+    return run(builder)
+
+
+def wave(t):
+    return np.linspace(1, 3, 7) * (1.5 + np.sin(50 * t))
+
+
+@pytest.mark.parametrize(
+    ("parameter", "value"),
+    [
+        ("gravity", lambda t: [9 * np.sin(50 * t), 2, 0]),
+        ("jointForceVector", wave),
+        ("jointPositionOffsetVector", wave),
+        ("jointVelocityOffsetVector", wave),
+        ("jointPControlVector", wave),
+        ("jointDControlVector", wave),
+        ("linkForces", lambda t: exudyn.Vector3DList([[np.sin(50 * t), 2, 0]] * 7)),
+    ],
+)
+def test_what_acts_on_a_tree_may_change_between_steps(by_exudyn, monkeypatch, parameter, value):
+    expected, _ = steered_tree(parameter, value)
+    monkeypatch.undo()
+    found, path = steered_tree(parameter, value)
+    assert ("one right-hand side" in path) is (parameter == "linkForces")
+    np.testing.assert_allclose(found, expected, atol=1e-9 * np.abs(expected).max())
+    assert np.abs(found - steered_tree(parameter, lambda t: value(0.0))[0]).max() > 1e-4
+
+
 def test_a_spring_that_is_switched_off_is_evaluated_by_exudyn_from_then_on():
     def release(mbs, spring, load, t):
         if t > 0.05:
