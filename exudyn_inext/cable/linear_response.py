@@ -60,13 +60,13 @@ def improve_damping_called(system, q, x):
     call_protocol(system, DAMPING, (q, x))
 
 
-def leave_to_joints(system: Any, joined: bool) -> bool:
-    """Whether a part of a scene needs `improve_damping`, from now on.   joined: whether joints act on it."""
+def leave_to_joints(system: Any) -> bool:
+    """Whether a part of a scene, on which joints act, needs `improve_damping`, from now on."""
     elements = system.chain.elements if hasattr(system, "chain") else None
     if elements is None or not elements["damped"][0] or elements["axial"].size:
         return False
-    elements["joined"] = joined
-    return joined
+    elements["joined"] = True
+    return True
 
 
 @protocol

@@ -8,10 +8,11 @@ import exudyn
 
 
 def idle_integrator(settings: Any) -> AbstractContextManager[None]:
-    """No initial accelerations and no dense matrix are computed meanwhile."""
+    """No initial accelerations and no dense matrix are computed meanwhile; ours are not reset."""
+    unused = "computeInitialAccelerations", "resetAccelerations", "useIndex2Constraints"
     return changed(
         [
-            (settings.timeIntegration.generalizedAlpha, "computeInitialAccelerations", False),
+            *((settings.timeIntegration.generalizedAlpha, name, False) for name in unused),
             (settings.linearSolver, "solverType", exudyn.LinearSolverType.EigenSparse),
         ]
     )

@@ -61,7 +61,8 @@ def build_scene(
     implicit = mark_implicit(cables, chains, known.contacts.records)
     if len(joints.nodes.dof):
         provide_cables(cables, chains, show_matrix)
-    provide_damping(cables, chains, len(joints.rows) > 0)
+    if len(joints.rows):
+        provide_damping(cables, chains)
     if implicit:
         provide_cables(cables, chains, add_contact)
     acting = known.connectors, known.linear_forces, known.loads, known.contacts
@@ -92,7 +93,7 @@ def with_dashpots(
     built = build_joints(*given, _ends(chains, places, items.sliders), holding)
     if len(built.nodes.dof):
         provide_cables(system.cables, chains, show_matrix)
-    provide_damping(system.cables, chains, True)
+    provide_damping(system.cables, chains)
     return system._replace(items=items._replace(joints=built))
 
 

@@ -55,10 +55,10 @@ def provide_cables(cables: Cables, systems: Sequence[Any], *protocols: Any) -> N
         provide(functions, system, *protocols)
 
 
-def provide_damping(cables: Cables, systems: Sequence[Any], joined: bool) -> None:
-    """Let `improve_damping` be called of those that need it.   joined: whether the scene has joints."""
+def provide_damping(cables: Cables, systems: Sequence[Any]) -> None:
+    """Let `improve_damping` be called of those that need it, as joints or dashpots act on them."""
     for functions, system in zip(cables.functions, systems, strict=True):
-        if leave_to_joints(system, joined):
+        if leave_to_joints(system):
             provide(functions, system, improve_damping)
 
 

@@ -28,6 +28,7 @@ _CONSTANT_MASS = {
 }
 _CENTRE_OF_MASS = {"centerOfMass", "physicsCenterOfMass"}  # names in Exudyn's versions
 _SINGULAR = 1e-13  # part of a mass that must resist in each direction
+_LOCKED = 1e-6  # cosine of the second of three angles
 _SINGULAR_MASSES = {  # remedies for objects whose mass matrices are singular however they are given
     "ObjectANCFBeam": "the slopes of {} have a singular mass matrix; take ObjectBeamGeometricallyExact on "
     "NodeRigidBodyRxyz",
@@ -383,18 +384,31 @@ def require_mass(mbs: Any, without: np.ndarray) -> None:
             node = mbs.GetNode(number)
             raise SceneError(
                 f"node {number} '{node['name']}' ({node['nodeType']}) has coordinates without mass, whose "
-                f"accelerations are not determined: {_remedy(mbs, without)}."
+                f"accelerations are not determined: {_remedy(mbs, number, without)}."
             )
 
 
-def _remedy(mbs: Any, without: np.ndarray) -> str:
-    """What to do about coordinates without mass, as far as the objects on them tell.   without: (k,)."""
+def _remedy(mbs: Any, node: int, without: np.ndarray) -> str:
+    """What to do about coordinates without mass, as far as node and objects tell.   without: (k,)."""
+    if _is_locked(mbs, node):
+        return (
+            "its second angle is a right one, where the first and the third one turn about the same axis; "
+            "give the body nodeType=exudyn.NodeType.RotationEulerParameters"
+        )
     for number in range(mbs.systemData.NumberOfObjects()):
         data = mbs.GetObject(number)
         of_kind = _SINGULAR_MASSES.get(data["objectType"])
         if of_kind and np.isin(without, mbs.systemData.GetObjectLTGODE2(number)).any():
             return of_kind.format(described(data, number))
     return "give its body mass and inertia (put one on it, if there is none), or remove it"
+
+
+def _is_locked(mbs: Any, node: int) -> bool:
+    """Whether axes of its angles coincide (gimbal lock)."""
+    if mbs.GetNode(node)["nodeType"] != "RigidBodyRxyz":
+        return False
+    second = mbs.GetNodeOutput(node, exudyn.OutputVariableType.CoordinatesTotal)[4]
+    return bool(abs(np.cos(second)) < _LOCKED)
 
 
 def _without_mass(dofs: np.ndarray, masses: Array) -> np.ndarray:

@@ -341,10 +341,13 @@ class CableRun(PacedRun):
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; the history of a multi-step scheme begins here.
 
+        From none, as implicit damping takes part of those before from the right, which are of another motion.
+
         Raises:
             RedundantConstraintError: length constraints and supports depend on each other.
         """
         self.forget()
+        self.state.a.fill(0.0)
         self.start_scheme(time)
         self.require_independence()
         self.watch.open(self.called, self.loads.at(time), self.state)

@@ -293,6 +293,7 @@ class CoupledRun(LimitedRun):
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; see `CableRun.start`."""
         self.forget()
+        self.state.a.fill(0.0)
         self.mover.settle(time)
         self.start_scheme(time)
         self.watch.open(time, self.state)

@@ -42,7 +42,8 @@ class _Resolved(NamedTuple):
 def _resolve(part: Part, has_joints: bool) -> _Resolved:
     protocols = index_reduced_rates, accelerate_and_project, correct_position
     rates, accelerate, correct = (Bound(protocol, part.system) for protocol in protocols)
-    improve = Bound(improve_damping, part.system) if leave_to_joints(part.system, has_joints) else None
+    improves = has_joints and leave_to_joints(part.system)
+    improve = Bound(improve_damping, part.system) if improves else None
     return _Resolved(part.dofs, rates, accelerate, correct, improve)
 
 

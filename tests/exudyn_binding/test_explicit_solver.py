@@ -13,12 +13,13 @@ from exudyn_inext import (
     DivergenceError,
     ExplicitSettings,
     ExplicitSolver,
+    InextensibleCable,
     SceneError,
     SetCableDrag,
     SolveExplicit,
 )
 from reference_models.model import quiet_settings, silence
-from tests.exudyn_binding.items import add_pendulum
+from tests.exudyn_binding.items import SECTION, add_pendulum
 
 PERIOD, STEP = 0.02, 1e-3
 INITIAL = exudyn.ConfigurationType.Initial
@@ -41,8 +42,8 @@ class Driven:
         self.solver = ExplicitSolver(ExplicitSettings(stepSize=stepSize, **(explicit or {})))
         self.settings = quiet_settings(0.0, steps)
 
-    def add_items(self, **load):
-        cable = add_pendulum(self.mbs)
+    def add_items(self, damping=0.0, **load):
+        cable = add_pendulum(self.mbs, beamTemplate=InextensibleCable(**SECTION, bendingDamping=damping))
         self.nodes, self.supports = cable["nodes"], cable["constraintObjects"]
         self.tip = self.mbs.AddMarker(MarkerNodePosition(nodeNumber=self.nodes[-1]))
         self.load = self.mbs.AddLoad(LoadForceVector(markerNumber=self.tip, loadVector=[0, 0, 0], **load))
@@ -97,6 +98,12 @@ def test_portions_give_the_states_of_a_run(steps, explicit):
     rows = driven.mbs.GetSensorStoredData(driven.sensor)
     tip = driven.mbs.GetNodeOutput(driven.nodes[-1], exudyn.OutputVariableType.Position)
     np.testing.assert_allclose(rows[-1], [0.2, *tip], atol=1e-12)
+
+
+def test_damped_cables_begin_as_in_a_run():
+    """The solver starts twice, and took the accelerations of the first start for those of the motion."""
+    found = Driven(damping=0.1).begin().step()
+    np.testing.assert_allclose(found, solved(PERIOD, damping=0.1), atol=1e-12)
 
 
 def state_dependent(mbs, t, load):

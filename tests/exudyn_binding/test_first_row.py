@@ -52,6 +52,16 @@ def test_a_cable_in_free_fall_begins_with_g(mbs, add_cable, add_sensor, solve, i
         np.testing.assert_array_equal(now, then)
 
 
+def test_it_does_so_whatever_is_set_for_generalized_alpha(mbs, add_cable, add_sensor, solve):
+    sensor = add_sensor(mbs, add_cable(mbs)["nodes"][0], "Acceleration")
+    mbs.Assemble()
+    settings = quiet_settings(0.01, 10)
+    native = settings.timeIntegration.generalizedAlpha
+    native.resetAccelerations = native.useIndex2Constraints = True
+    solve(mbs, settings=settings)
+    np.testing.assert_allclose(first_rows(mbs, [sensor])[0], GRAVITY, atol=1e-9)
+
+
 def test_a_pinned_cable_begins_as_a_native_one(mbs, new_mbs, add_pendulum, add_sensor, solve):
     """Horizontal and at rest, with a force: nothing is stretched, the accelerations are the same."""
     native = new_mbs()

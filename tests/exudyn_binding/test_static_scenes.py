@@ -694,6 +694,20 @@ def test_a_body_by_angles_that_is_free_to_turn_below_a_cable_comes_to_rest():
     np.testing.assert_allclose(centre - joint, [0, 0, -np.hypot(0.05, 0.02)], atol=1e-6)
 
 
+def test_a_run_of_a_body_that_hangs_where_its_angles_lock_is_refused_and_the_remedy_works():
+    """Below a rope that began along x: it was advised to give the body a mass, which it had."""
+    for node in ("Rxyz", "EulerParameters"):
+        b = Builder()
+        nodes = b.cable([0, 0, 0], [1, 0, 0], 4, pinned=["Start"])
+        b.tie(b.at(nodes[-1]), b.on(b.body([1.1, 0, 0], node), [-0.1, 0, 0]))
+        b.mbs.Assemble()
+        SolveEquilibrium(b.mbs)
+        if node == "Rxyz":
+            with pytest.raises(SceneError, match=r"second angle is a right one.*RotationEulerParameters\."):
+                SolveExplicit(b.mbs, quiet_settings(0.01, 10))
+    assert SolveExplicit(b.mbs, quiet_settings(0.01, 10))["success"]
+
+
 @pytest.mark.parametrize("stiffness", [1e9, 1e10])
 def test_round_off_hides_no_inverted_pendulum(stiffness):
     """Nor does it hide the way out, along which a stiff cable may not stretch."""

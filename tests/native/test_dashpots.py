@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import (
     CartesianSpringDamper,
+    Force,
     MarkerBodyPosition,
     MarkerBodyRigid,
     MarkerNodePosition,
@@ -185,6 +186,25 @@ def star(mbs):
         mbs.AddObject(SphericalJoint(markerNumbers=first))
         law = {"stiffness": 1.0, "damping": 20.0, "referenceLength": 1.4}
         mbs.AddObject(SpringDamper(markerNumbers=last, **law))
+
+
+def test_whoever_looks_at_forces_does_not_change_the_motion(new_mbs, add_sensor, solve):
+    """Of damped cables that nothing but a dashpot connects: their damping was taken twice."""
+    places = []
+    for looks in (False, True):
+        mbs = new_mbs()
+        damped = {"beamTemplate": InextensibleCable(**SECTION, bendingDamping=1e-4), "dimension": 2}
+        ends = [add_pendulum(mbs, **damped)["nodes"][-1] for _ in range(2)]
+        markers = [mbs.AddMarker(MarkerNodePosition(nodeNumber=node)) for node in ends]
+        mbs.AddLoad(Force(markerNumber=markers[0], loadVector=[0, 1, 0]))
+        law = {"stiffness": [0.0] * 3, "damping": [DAMPING] * 3}
+        mbs.AddObject(CartesianSpringDamper(markerNumbers=markers, **law))
+        if looks:
+            add_sensor(mbs, ends[0], "Acceleration")
+        mbs.Assemble()
+        solve(mbs, END, steps=10, stepSize=1e-3)
+        places.append(places_of(mbs))
+    np.testing.assert_array_equal(*places)
 
 
 @pytest.fixture
