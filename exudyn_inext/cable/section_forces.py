@@ -127,9 +127,7 @@ def section_forces(points: SectionPoints, chain: Chain, state: SolvedState, dens
     tension, moment = np.zeros((2, len(points.element)))
     law = section.mass_per_length, section.bending_stiffness, section.bending_damping, cable.stretches
     where = points.element, points.shapes, points.load, points.natural
-    points.set_forces(
-        where, law, mean, density, state.q, state.v, state.a, position, shear, tension, moment
-    )
+    points.set_forces(where, law, mean, density, state.q, state.v, state.a, position, shear, tension, moment)
     return SectionForces(points.arc_length, position, tension, shear, moment)
 
 

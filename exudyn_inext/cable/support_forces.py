@@ -22,6 +22,9 @@ from .records import link_type
 from .saddle_point import apply_mass
 from .section_forces import SolvedState
 
+Solved = tuple[Any, SolvedState]
+"""The system of a cable, which holds its multipliers, and its state."""
+
 
 class SupportForces(NamedTuple):
     """Multipliers lam and accelerations a of M a + C_q^T lam = F, at k states.
@@ -36,21 +39,19 @@ class SupportForces(NamedTuple):
 
 
 class SupportedCable:
-    """A cable with its mass as it is, solved for what its supports do.
-
-    system: its equations, which hold the multipliers of the state that was solved last.
-    """
+    """A cable with its mass as it is, solved for what its supports do."""
 
     def __init__(self, cable: Cable) -> None:
         self._closed, self._own_links, self._stretches = cable.closed, len(cable.links), cable.stretches
-        self.system = cable_system(cable, 0.0)
+        self._system = cable_system(cable, 0.0)
         self._free = build_chain(replace(cable, fixed=np.zeros_like(cable.fixed), links=()))
         self._step = 0.0
-        self._accelerate = Bound(accelerate_and_project, self.system)
+        self._last: tuple[Any, ...] = ()
+        self._accelerate = Bound(accelerate_and_project, self._system)
         self._set_force = Prepared(force_in_motion if cable.stretches else _force_in_motion)
         self._links: Any = np.zeros(0, link_type(cable.dimension))
-        if isinstance(self.system, LinkedCableSystem):
-            self._links = self.system.link_system.links
+        if isinstance(self._system, LinkedCableSystem):
+            self._links = self._system.link_system.links
 
     def solve(self, external: Array, q: Array, v: Array, steps: Array) -> SupportForces:
         """At k states.
@@ -59,10 +60,10 @@ class SupportedCable:
             external: (k, n_external) all that acts, with motions behind it.   q, v: (k, n_dof).
             steps: (k,) before the states, whose mean axial forces count [s].
         """
-        a, balance = np.zeros(q.shape), np.zeros((len(q), *self.system.chain.shape))
+        a, balance = np.zeros(q.shape), np.zeros((len(q), *self._system.chain.shape))
         links: Any = np.zeros((len(q), len(self._links)), self._links.dtype)
         for k in range(len(q)):
-            state = self.solve_one(external[k], q[k], v[k], steps[k])
+            state = self._solve_one(external[k], q[k], v[k], steps[k])
             a[k], links[k] = state.a.ravel(), self._links
             self._set_balance(external[k, : q.shape[1]].reshape(state.a.shape), state, balance[k])
         of_links = self._take_rods(links, balance)
@@ -70,16 +71,26 @@ class SupportedCable:
             balance[:, 0] += balance[:, -1]
         return SupportForces(balance, of_links, a)
 
-    def solve_one(self, external: Array, q: Array, v: Array, step: float) -> SolvedState:
-        """One state; arguments: see `solve`."""
+    def solved(self, external: Array, q: Array, v: Array, step: float) -> Solved:
+        """One state, which may have been the last one; arguments: see `solve`."""
+        if self._last != self._all_of(external, q, v, step):
+            self._solve_one(external, q, v, step)
+        return self._system, self._state
+
+    def _solve_one(self, external: Array, q: Array, v: Array, step: float) -> SolvedState:
         if self._stretches and step != self._step:
-            for chain in self.system.chain, self._free:
+            for chain in self._system.chain, self._free:
                 set_step_of_means(step, chain.nodes, chain.elements)
             self._step = step
         a, rest = np.zeros((2, q.size))
         self._accelerate(external, q, v, 0.0, a, rest)
-        multiplier = self.system.chain.elements["multiplier"][:, ACCELERATION].copy()
-        return SolvedState(*(x.reshape(self.system.chain.shape) for x in (q, v, a)), multiplier)
+        self._last = self._all_of(external, q, v, step)
+        self._state = solved_state(self._system, q.copy(), v.copy(), a)
+        return self._state
+
+    def _all_of(self, external: Array, q: Array, v: Array, step: float) -> tuple[Any, ...]:
+        """What decides on a state that is solved."""
+        return external.tobytes(), q.tobytes(), v.tobytes(), step if self._stretches else 0.0
 
     def _set_balance(self, force: Array, state: SolvedState, balance: Array) -> None:
         """F - M a less what lengths or strains do, but with nodal multipliers and links.
@@ -89,7 +100,7 @@ class SupportedCable:
         if self._stretches:
             self._set_force(self._free, force, state.q, state.v, state.a, balance)
         else:
-            self._set_force(self.system.chain, state.q, balance)
+            self._set_force(self._system.chain, state.q, balance)
         balance -= apply_mass(self._free, state.a)
 
     def _take_rods(self, links: Any, balance: Array) -> Array:
@@ -102,6 +113,13 @@ class SupportedCable:
         states = np.arange(len(links))[:, np.newaxis, np.newaxis]
         np.subtract.at(balance, (states, links["node"]), at_nodes)
         return multipliers[:, links.shape[1] - self._own_links :]
+
+
+def solved_state(system: Any, q: Array, v: Array, a: Array) -> SolvedState:
+    """Of a system that has just given these accelerations.   q, v, a: (n_dof,)."""
+    multiplier = system.chain.elements["multiplier"][:, ACCELERATION].copy()
+    shape = system.chain.shape
+    return SolvedState(q.reshape(shape), v.reshape(shape), a.reshape(shape), multiplier)
 
 
 @kernel

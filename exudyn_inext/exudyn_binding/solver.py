@@ -237,7 +237,7 @@ def _solve(
             outputs.cut(grid.time(grid.first) + 0.5 * grid.substeps * grid.h)
         header = header_of(explicit, grid.h, decided_by, grid.substeps)
         until_steps.close()
-        with shared_evaluators(sensors, loop.joined_forces), shown, listening(log):
+        with shared_evaluators(sensors, loop.solved), shown, listening(log):
             _run(mbs, solver, settings, loop, outputs, log, header)
         with state_kept(mbs):
             warn_of_worst([one for kept in loop.kept_states for one in left_out_stretch(kept)])

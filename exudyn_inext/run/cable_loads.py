@@ -86,7 +86,7 @@ class CableLoads:
         total = self._weights.gravity
         for load in self._histories:
             if isinstance(load, ElementWeight):
-                total += load.gravity(self._components_at(load, time), total.shape)
+                total = total + load.gravity(self._components_at(load, time), total.shape)
         return total
 
     def has_functions_of(self, other: "CableLoads") -> bool:

@@ -9,6 +9,7 @@ import numpy as np
 from ..arrays import Array, Places
 from ..cable.cable import Cable
 from ..cable.linked_cable import memory_of
+from ..cable.support_forces import Solved
 from ..errors import DivergenceError, OffCableError, RedundantConstraintError, SceneError
 from ..integrators.integrator import Integrator, remembered
 from ..scene.model import CableInScene
@@ -267,14 +268,13 @@ class CoupledRun(LimitedRun):
             self.mover.begin_by(self.integrator.resume, time)
         return found
 
-    def joined_forces(self, cable: int, time: float) -> Array | None:
-        """(n_dof,) of items and joints on the cable with that object, see `Mover.joined_forces`."""
+    def solved(self, number: int, time: float, state: Sequence[Array], step: float) -> Solved | None:
+        """See `CableRun.solved`; None: nobody has asked for forces then, see `Mover.joined_forces`."""
         forces = self.mover.joined_forces(time)
         if forces is None:
             return None
-        numbers = [run.scene_cable.number for run in self._runs]
-        result: Array = forces[self._scene.map.slices[numbers.index(cable)]]
-        return result
+        k = [run.scene_cable.number for run in self._runs].index(number)
+        return self._runs[k].solved_among(forces[self._scene.map.slices[k]], time, state, step)
 
     def tensions(self, time: float, displacements: Array, velocities: Array) -> list[Array]:
         """See `CableRun.tensions`; of all cables."""
