@@ -133,6 +133,8 @@ class CableLoads:
 
     def at_times(self, times: list[float]) -> Array:
         """(k, n_external) as `at`, at all of them."""
+        if not len(self.pattern):
+            return self.constant[np.newaxis].repeat(len(times), axis=0)
         forces: Array = self.constant + self.factors(times) @ self.pattern
         return forces
 

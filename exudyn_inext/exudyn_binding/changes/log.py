@@ -240,8 +240,8 @@ def _after_forces() -> Callable[..., Any]:
     @wraps(original)
     def call(self: Any, *args: Any, **kwargs: Any) -> Any:
         number = int(args[0] if args else kwargs.get("sensorNumber", -1))
-        for log in _logs_of(self):
-            if number in log.sensors_of_forces:
+        for log in _LISTENING:
+            if log.mbs is self and number in log.sensors_of_forces:
                 log.show_forces()
         return original(self, *args, **kwargs)
 
