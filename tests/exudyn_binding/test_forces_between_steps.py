@@ -1,0 +1,86 @@
+"""Section forces that step functions read are those of the last step, and found once for all who ask."""
+
+import numpy as np
+import pytest
+from exudyn.utilities import (
+    InertiaCuboid,
+    MarkerBodyPosition,
+    MarkerNodePosition,
+    ObjectANCFCable2D,
+    RevoluteJoint2D,
+)
+
+from exudyn_inext import CreateCableForceSensor, CreateInextensibleCable
+from exudyn_inext.exudyn_binding import cable_forces
+from reference_models.model import quiet_settings
+
+WEIGHT = [0, -9.81, 0]
+
+
+def hanging_cable(mbs, stretches, with_body):
+    """A pinned cable that begins horizontally, with a block at its end or not."""
+    template = ObjectANCFCable2D(massPerLength=0.2, bendingStiffness=0.05, axialStiffness=2e4)
+    cable = CreateInextensibleCable(
+        mbs,
+        positionStart=[0, 0, 0],
+        positionEnd=[1, 0, 0],
+        numberOfElements=4,
+        beamTemplate=template,
+        gravity=WEIGHT,
+        extensible=stretches,
+        groundConstraintsStart=[True, True, False, False],
+    )
+    if with_body:
+        block = InertiaCuboid(800, [0.1, 0.1, 0.1])
+        body = mbs.CreateRigidBody(
+            inertia=block, referencePosition=[1.05, 0, 0], gravity=WEIGHT, create2D=True
+        )
+        end = mbs.AddMarker(MarkerNodePosition(nodeNumber=cable["nodes"][-1]))
+        corner = mbs.AddMarker(MarkerBodyPosition(bodyNumber=body, localPosition=[-0.05, 0, 0]))
+        mbs.AddObject(RevoluteJoint2D(markerNumbers=[end, corner]))
+    return cable
+
+
+def seen_before_and_after_steps(mbs, solve, times_asked):
+    """What step functions read of a sensor, which they ask several times: (50, 2) and (51, 2).
+
+    The one after steps is also called at the start.
+    """
+    before, after = [], []
+
+    def look(values):
+        def function(mbs, t):
+            values.append([mbs.GetSensorValues(0) for _ in range(times_asked)][-1])
+            return True
+
+        return function
+
+    mbs.SetPreStepUserFunction(look(before))
+    mbs.SetPostStepUserFunction(look(after))
+    mbs.Assemble()
+    solve(mbs, settings=quiet_settings(0.1, 50, 0.002))
+    return np.array(before), np.array(after)
+
+
+@pytest.mark.parametrize("stretches", [True, False])
+@pytest.mark.parametrize("with_body", [True, False])
+def test_functions_before_a_step_read_what_those_after_the_last_one_did(mbs, solve, stretches, with_body):
+    CreateCableForceSensor(mbs, hanging_cable(mbs, stretches, with_body), 0.6)
+    before, after = seen_before_and_after_steps(mbs, solve, 1)
+    written, round_off = mbs.GetSensorStoredData(0)[1:, 1:], 1e-10 * np.abs(after).max()
+    np.testing.assert_allclose(before[1:], after[1:-1], rtol=0.0, atol=round_off)
+    np.testing.assert_allclose(written, after[1:], rtol=0.0, atol=round_off)
+    assert np.ptp(after[:, 0]) > 0.1
+
+
+def test_who_asks_again_gets_the_same_and_nothing_is_read_again(new_mbs, solve, monkeypatch):
+    found, read = [], []
+    read_scene = cable_forces.read_scene
+    monkeypatch.setattr(cable_forces, "read_scene", lambda *given: read.append(1) or read_scene(*given))
+    for times_asked in (1, 3):
+        mbs = new_mbs()
+        CreateCableForceSensor(mbs, hanging_cable(mbs, False, False), 0.6)
+        found.append(seen_before_and_after_steps(mbs, solve, times_asked))
+    for once, again in zip(*found, strict=True):
+        np.testing.assert_array_equal(once, again)
+    assert len(read) < 20  # of 100 steps
