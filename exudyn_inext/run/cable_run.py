@@ -40,6 +40,7 @@ from .consistent_start import (
 )
 from .divergence import GIVEN_UP, explanation
 from .jump import accelerate_again, remembers_axial_forces
+from .kept_state import KeptState
 from .paced_run import PacedRun
 from .redundancy import PULLED, element_masses, is_held_straight, require_independent
 from .settings import SAY_OF_TIME, ExplicitSettings
@@ -175,7 +176,7 @@ class CableRun(PacedRun):
     def adopt(self, system: Any) -> None:
         """The same equations in memory that cables share."""
         self.system, self._tracker = system, FrequencyTracker(system, self.scene_cable.cable.reference.shape)
-        for name in ("called", "_corrections", "_strains"):
+        for name in ("called", "_corrections", "_learned", "_strains"):
             self.__dict__.pop(name, None)
 
     @cached_property
@@ -187,6 +188,11 @@ class CableRun(PacedRun):
     def _corrections(self) -> dict[str, Any]:
         """See `memory_of`."""
         return memory_of(self.system)
+
+    @cached_property
+    def _learned(self) -> KeptState:
+        """Of these."""
+        return KeptState(self._corrections)
 
     def follow_frequency(self, rule: StepRule) -> None:
         """Let the steps follow the present stability limit."""
@@ -417,7 +423,8 @@ class CableRun(PacedRun):
         """See `PacedRun.start_scheme`."""
         memory, external = self._corrections, self.loads.at(time)
         if self._stretches and remembers_axial_forces(memory):
-            accelerate_again(self.called, external, self.state, self.control.present, [memory])
+            given = self.called, external, self.state, self.control.present
+            accelerate_again(*given, [memory], self._learned)
         else:
             self._start_scheme(self.called, external, self.state)
 

@@ -96,7 +96,8 @@ class CoupledRun(LimitedRun):
     def _move_by(self, mover: MovedByKernels | MovedByExudyn) -> None:
         self.mover: MovedByKernels | MovedByExudyn = mover
         self.looks_ahead, self.elsewhere, self.data = mover.looks_ahead, mover.elsewhere, mover.data
-        self.__dict__.pop("_kept", None)  # elsewhere is another place now
+        for name in ("_kept", "_learned"):  # elsewhere is another place now
+            self.__dict__.pop(name, None)
 
     def make_consistent(self, start: Start) -> None:
         """See `CableRun.make_consistent`."""
@@ -180,6 +181,7 @@ class CoupledRun(LimitedRun):
         if not self._by_kernels:
             if self._scene.parts_in_one:
                 self._scene.leave_compiled_parts()
+                self.__dict__.pop("_learned", None)
                 self.mover.begin_by(self.integrator.resume, time)
         else:
             self._leave_kernels(CHANGED)
@@ -329,10 +331,15 @@ class CoupledRun(LimitedRun):
             "depths": self._depths,
         }
 
-    @property
+    @cached_property
     def _corrections(self) -> dict[str, Any]:
         """Drift corrections and axial forces of the cables."""
         return {str(k): memory_of(system) for k, (system, _) in enumerate(self._scene.groups)}
+
+    @cached_property
+    def _learned(self) -> KeptState:
+        """Of all drift corrections and axial forces."""
+        return KeptState({"scene": self._scene.memory(), "cables": self._corrections})
 
     @property
     def _has_axial_forces(self) -> bool:
@@ -445,11 +452,8 @@ class CoupledRun(LimitedRun):
         if not self._has_axial_forces:
             self.mover.begin_by(self.integrator.start, time)
             return
-        scene = KeptState(self._scene.memory())
-        cables = list(self._corrections.values())
-        system, external = self.mover.system, self.mover.external_at(time)
-        accelerate_again(system, external, self.state, self.control.present, cables)
-        scene.restore()
+        given = self.mover.system, self.mover.external_at(time), self.state, self.control.present
+        accelerate_again(*given, self._corrections.values(), self._learned)
 
     def watch_on(self, time: float) -> None:
         self.watch.go_on(time, self.state)
