@@ -226,7 +226,8 @@ def _solve(
         restarts.changes_so_far = changes.stored
         loop = ExplicitTimeLoop(mbs, runs, grid, restarts, observed_derivatives(*looking), changes)
         loop.output_times = OutputTimes(*looking, partial(look_of_item_functions, mbs), solver)
-        log.sensors_of_forces, log.show_forces = sensors_of_forces(sensors), loop.show_forces
+        log.sensors_of_forces = sensors_of_forces(sensors, scene.own_constraints)
+        log.show_forces = loop.show_forces
         loop.step_is_from = decided_by if explicit.stepSize is None else ""
         shown: AbstractContextManager[None] = nullcontext()
         if restarts.found:

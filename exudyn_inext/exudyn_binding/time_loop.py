@@ -95,6 +95,7 @@ class ExplicitTimeLoop:
         self._until_output = UNSEEN  # steps until somebody looks at accelerations and forces, where items ask
         self._is_changed = False  # before the step that is computed next
         self._lacks_forces = False  # mbs, and accelerations: nobody was to look at them in its state
+        self._shows_supports = self._lacks_supports = False  # where somebody looks at other forces
         is_unstretched = not (self._written[0].any() or np.any(self._data.GetAECoordinates(INITIAL)))
         self.kept_states = [KeptStates(run, is_unstretched) for run in runs]
         for run in runs:
@@ -197,7 +198,7 @@ class ExplicitTimeLoop:
         plain = self._plain_user_function()
 
         def take_step(solver: Any, mbs: Any, settings: Any) -> bool:
-            self._lacks_forces = False
+            self._lacks_forces = self._lacks_supports = False
             if not (self._is_ahead and length_hint(self._states)):
                 with self._remembering_errors:
                     self._take_over_changes()
@@ -214,16 +215,20 @@ class ExplicitTimeLoop:
         """Whether compiled code alone gives accelerations and forces, whenever somebody looks at them."""
         return all(run.completes for run in self.runs)
 
-    def show_forces(self) -> None:
-        """Give mbs accelerations and forces in its state, if nobody was to look at them: somebody does."""
-        if not self._lacks_forces:
+    def show_forces(self, of_supports: bool = True) -> None:
+        """Give mbs accelerations and forces in its state, if nobody was to look at them: somebody does.
+
+        of_supports: whether at those of supports of cables, which are left out until somebody does.
+        """
+        self._shows_supports |= of_supports
+        if not (self._lacks_forces or (of_supports and self._lacks_supports)):
             return
-        self._lacks_forces = False
+        self._lacks_forces, self._lacks_supports = False, not self._shows_supports
         state, reactions = self._ahead[1][-1:], np.zeros((1, self._data.AEsize()))
         time, row = np.array([self.grid.time(self._computed)]), np.array([-1])
         for run, places in zip(self.runs, self._places, strict=True):
             history = state[:, :, places]
-            run.complete(time, row, history, reactions)
+            run.complete(time, row, history, reactions, self._shows_supports)
             state[:, :, places] = history
         self._data.SetODE2Coordinates_tt(state[0, ACCELERATIONS - 1])
         self._data.SetAECoordinates(reactions[0])

@@ -277,7 +277,9 @@ class CableRun(PacedRun):
         q, v = (x[self.scene_cable.indices] for x in state)
         return self._supported.solved(self._external_at([time], joined)[0], q + self.reference, v, step)
 
-    def complete(self, times: Array, rows: Places, history: Array, multipliers: Array) -> bool:
+    def complete(
+        self, times: Array, rows: Places, history: Array, multipliers: Array, of_supports: bool = True
+    ) -> bool:
         """Set accelerations, unless they are those of the scheme, and multipliers of recorded states.
 
         Args:
@@ -285,11 +287,12 @@ class CableRun(PacedRun):
             rows: (k,) which of the last recorded ones they are, rising; -1 is the last one.
             history: (k, 3, n) displacements and velocities, and output: accelerations.
             multipliers: (k, m) output, of Exudyn's algebraic equations.
+            of_supports: whether those of the supports of cables are asked for.
 
         Returns:
             Whether multipliers have been set.
         """
-        if self.has_reactions:
+        if self.has_reactions and of_supports:
             q, steps = history[:, 0] + self.reference, self.steps_before_rows(rows)
             self.put_reactions(times, 0.0, q, history[:, 1], steps, multipliers)
         return self.has_reactions

@@ -394,9 +394,12 @@ class CoupledRun(LimitedRun):
         """(n,) forces that act besides those of the items, and may be changed between steps."""
         return self.mover.given
 
-    def complete(self, times: Array, rows: Places, history: Array, multipliers: Array) -> bool:
+    def complete(
+        self, times: Array, rows: Places, history: Array, multipliers: Array, of_supports: bool = True
+    ) -> bool:
         """See `CableRun.complete`."""
-        return self.mover.complete(times, rows, self.steps_before_rows(rows), history, multipliers)
+        steps = self.steps_before_rows(rows)
+        return self.mover.complete(times, rows, steps, history, multipliers, of_supports)
 
     def set_accelerations(self, times: Array, history: Array) -> None:
         """See `MovedByKernels.set_accelerations`."""

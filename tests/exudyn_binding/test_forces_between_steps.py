@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
+from exudyn import OutputVariableType
 from exudyn.utilities import (
     InertiaCuboid,
     MarkerBodyPosition,
     MarkerNodePosition,
     ObjectANCFCable2D,
     RevoluteJoint2D,
+    SensorObject,
 )
 
 from exudyn_inext import CreateCableForceSensor, CreateInextensibleCable
@@ -71,6 +73,33 @@ def test_functions_before_a_step_read_what_those_after_the_last_one_did(mbs, sol
     np.testing.assert_allclose(before[1:], after[1:-1], rtol=0.0, atol=round_off)
     np.testing.assert_allclose(written, after[1:], rtol=0.0, atol=round_off)
     assert np.ptp(after[:, 0]) > 0.1
+
+
+@pytest.mark.parametrize("first", [0, 1, 2])
+def test_forces_do_not_depend_on_who_asks_first(new_mbs, solve, first):
+    """Of a joint, a support of the cable, and a section."""
+    found = []
+    for order in ([0, 1, 2], [first, *{0, 1, 2}.difference([first])]):
+        mbs, seen = new_mbs(), []
+        cable = hanging_cable(mbs, True, True)
+        force = {"outputVariableType": OutputVariableType.Force, "storeInternal": True}
+        joint = mbs.systemData.NumberOfObjects() - 1
+        support = next(k for k in range(joint) if "Coordinate" in mbs.GetObject(k)["objectType"])
+        for number in (joint, support):
+            mbs.AddSensor(SensorObject(objectNumber=number, **force))
+        CreateCableForceSensor(mbs, cable, 0.6)
+
+        def look(mbs, t, order=order, seen=seen):
+            values = {number: np.ravel(mbs.GetSensorValues(number)) for number in order}
+            seen.append(np.concatenate([values[number] for number in range(3)]))
+            return True
+
+        mbs.SetPreStepUserFunction(look)
+        mbs.Assemble()
+        solve(mbs, settings=quiet_settings(0.05, 25, 0.05))
+        found.append(np.array(seen))
+    np.testing.assert_allclose(*found, rtol=1e-10, atol=1e-10)
+    assert np.all(np.ptp(found[0][:, [0, 1, 3, 4]], axis=0) > 1e-3)
 
 
 def test_who_asks_again_gets_the_same_and_nothing_is_read_again(new_mbs, solve, monkeypatch):
