@@ -11,7 +11,7 @@ as rarely as possible: loops over few nodes cost as much as what they do.
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import clear, inlined, optional
+from ..compiled import clear, inlined, inlined_kernel, optional
 from ..lowered import local_array, subtract_multiple
 from .chain import Chain
 from .factorisation import place_in_lower
@@ -276,7 +276,7 @@ def solve_both_columns(axes, nodes, elements, x, y):
             y[k, 1, i] = 0.0
 
 
-@inlined
+@inlined_kernel
 def multiply_by_mass(nodes, elements, x, y):
     """y = M x with the supports taken out.   nodes, elements: (n, 3), (N, 4) masses; x, y: (n, 2, dim)."""
     for k in range(len(x)):
@@ -294,13 +294,7 @@ def multiply_by_mass(nodes, elements, x, y):
 
 
 def apply_mass(chain: Chain, x: Array) -> Array:
-    """M x with the supports taken out.   x: (..., n, 2, dim)."""
-    rr, rs, ss = chain.nodes["mass"].T[:, :, np.newaxis]
-    r, s = x[..., 0, :], x[..., 1, :]
+    """M x with the supports taken out.   x: (n, 2, dim)."""
     product = np.empty_like(x)
-    product[..., 0, :] = rr * r + rs * s
-    product[..., 1, :] = rs * r + ss * s
-    coupling = chain.elements["mass"].reshape(-1, 2, 2)
-    product[..., :-1, :, :] += coupling @ x[..., 1:, :, :]
-    product[..., 1:, :, :] += coupling.swapaxes(1, 2) @ x[..., :-1, :, :]
+    multiply_by_mass(chain.nodes["mass"], chain.elements["mass"], x, product)
     return product

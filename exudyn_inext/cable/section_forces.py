@@ -6,13 +6,12 @@ the balance of momentum, n_x = rho_A r_tt - f, gives how it varies within. So N(
 element, past point loads and supports.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import clear, kernel
+from ..compiled import Prepared, clear, inlined, kernel
 from ..element.bending_damping import add_damping_force
 from ..element.inextensibility import length_gradient
 from ..element.shape_functions import first_derivatives, quadrature, second_derivatives, shape_functions
@@ -102,12 +101,8 @@ class SectionPoints:
         if cable.dimension == 2:
             natural = [cable.natural_curvature(*place)[0] for place in zip(k, xi[:, np.newaxis], strict=True)]
             self.natural[:] = natural
-
-    def within(self, x: Array, first: int, end: int) -> Array:
-        """(m, end - first, dim) of nodal values x (n, 2, dim), by these rows of `shapes`."""
-        nodal = np.concatenate([x[self.element], x[self.element + 1]], axis=1)
-        result: Array = self.shapes[:, first:end] @ nodal
-        return result
+        means = mean_section_forces if cable.stretches else _mean_section_forces
+        self.set_means, self.set_forces = Prepared(means), Prepared(_forces_at)
 
 
 def section_forces(points: SectionPoints, chain: Chain, state: SolvedState, density: Array) -> SectionForces:
@@ -120,27 +115,75 @@ def section_forces(points: SectionPoints, chain: Chain, state: SolvedState, dens
     Returns:
         `SectionForces` at these points.
     """
-    cable, k = points.cable, points.element
-    density = np.broadcast_to(density, (cable.number_of_elements, cable.dimension))
+    cable, section = points.cable, points.cable.section
+    density = np.zeros((cable.number_of_elements, cable.dimension)) + density
     mean = np.zeros(density.shape)
     if cable.stretches:
-        mean_section_forces(chain, state.q, state.v, state.a, np.zeros(state.q.shape), mean)
+        points.set_means(chain, state.q, state.v, state.a, np.zeros(state.q.shape), mean)
     else:
-        _mean_section_forces(chain, state.q, state.v, state.multiplier, mean)
-    force = mean[k] + cable.section.mass_per_length * points.within(state.a, 3, 4)[:, 0]
-    force -= density[k] * points.load[:, np.newaxis]
-    force += attached_variation(cable, state, density / cable.section.mass_per_length, k, points.xi)
-    position, r_x, r_xx = points.within(state.q, 0, 3).transpose(1, 0, 2)
-    v_x, v_xx = points.within(state.v, 1, 3).transpose(1, 0, 2)
-    tangent = r_x / np.sqrt((r_x * r_x).sum(axis=1))[:, np.newaxis]
-    tension = (force * tangent).sum(axis=1)
-    return SectionForces(
-        points.arc_length,
-        position,
-        tension,
-        force - tension[:, np.newaxis] * tangent,
-        _bending_moment(cable, points.natural, (r_x, r_xx, v_x, v_xx)),
-    )
+        points.set_means(chain, state.q, state.v, state.multiplier, mean)
+    position, shear = np.zeros((2, len(points.element), cable.dimension))
+    shear += attached_variation(cable, state, density / section.mass_per_length, points.element, points.xi)
+    tension, moment = np.zeros((2, len(points.element)))
+    law = section.mass_per_length, section.bending_stiffness, section.bending_damping, cable.stretches
+    where = points.element, points.shapes, points.load, points.natural
+    points.set_forces(where, law, mean, density, state.q, state.v, state.a, position, shear, tension, moment)
+    return SectionForces(points.arc_length, position, tension, shear, moment)
+
+
+@kernel
+def _forces_at(points, law, mean, density, q, v, a, position, force, tension, moment):
+    """`SectionForces` at m points.
+
+    Args:
+        points: element, shapes, load and natural of `SectionPoints`.
+        law: rho_A, EI, D, and whether the cable stretches.
+        mean, density: (N, dim) of the elements, see `section_forces`.   q, v, a: (n, 2, dim).
+        position, tension, moment: output, zero on entry.
+        force: (m, dim) what is attached adds to n; output: shear force.
+    """
+    element, shapes, load, natural = points
+    mass, stiffness, damping, stretches = law
+    r, curvature = local_array(4, 3), local_array(2, 3)
+    for m in range(len(element)):
+        k = element[m]
+        clear(r)
+        for i in range(q.shape[2]):
+            force[m, i] += mean[k, i] - density[k, i] * load[m]
+            for c in range(4):
+                node, kind = k + c // 2, c % 2
+                position[m, i] += shapes[m, 0, c] * q[node, kind, i]
+                force[m, i] += mass * shapes[m, 3, c] * a[node, kind, i]
+                for order in range(2):
+                    r[order, i] += shapes[m, 1 + order, c] * q[node, kind, i]
+                    r[2 + order, i] += shapes[m, 1 + order, c] * v[node, kind, i]
+        square = r[0, 0] ** 2 + r[0, 1] ** 2 + r[0, 2] ** 2
+        for i in range(q.shape[2]):
+            tension[m] += force[m, i] * r[0, i] / np.sqrt(square)
+        for i in range(q.shape[2]):
+            force[m, i] -= tension[m] * r[0, i] / np.sqrt(square)
+        _set_curvature(r, square, 2.0 if stretches else 3.0, curvature)
+        for i in range(3):
+            curvature[0, i] = stiffness * curvature[0, i] + damping * curvature[1, i]
+        moment[m] = curvature[0, 2] - stiffness * natural[m]
+        if q.shape[2] == 3:
+            moment[m] = np.sqrt(curvature[0, 0] ** 2 + curvature[0, 1] ** 2 + curvature[0, 2] ** 2)
+
+
+@inlined
+def _set_curvature(r, square, power, curvature):
+    """kappa and kappa_t (2, 3) [1/m, 1/(m s)], by the arc length, stretched (power 2) or not (3).
+
+    r: (4, 3) r_x, r_xx, and their rates in time.   square: r_x . r_x.
+    """
+    scale, rate = square ** (-0.5 * power), 0.0
+    for i in range(3):
+        rate += power * r[0, i] * r[2, i] / square
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        turn = r[2, j] * r[1, k] - r[2, k] * r[1, j] + r[0, j] * r[3, k] - r[0, k] * r[3, j]
+        curvature[0, i] = scale * (r[0, j] * r[1, k] - r[0, k] * r[1, j])
+        curvature[1, i] = scale * turn - rate * curvature[0, i]
 
 
 def _integrated_shape_functions(xi: Array, length: Array) -> Array:
@@ -154,30 +197,6 @@ def _integrated_shape_functions(xi: Array, length: Array) -> Array:
             length * (x**4 / 4 - x**3 / 3),
         ]
     )
-
-
-def _bending_moment(cable: Cable, natural: Array, rates: Sequence[Array]) -> Array:
-    """(m,) see `SectionForces`.
-
-    natural: (m,) kappa_0 [1/m].   rates: r_x, r_xx, and their rates in time, each (m, dim).
-    """
-    section, power = cable.section, 2 if cable.stretches else 3  # by the arc length, stretched or not
-    r_x, r_xx, v_x, v_xx = rates
-    square = (r_x * r_x).sum(axis=1, keepdims=True)
-    kappa = _cross(r_x, r_xx) / square ** (power / 2)
-    kappa_t = (_cross(v_x, r_xx) + _cross(r_x, v_xx)) / square ** (power / 2)
-    kappa_t -= power * (r_x * v_x).sum(axis=1, keepdims=True) / square * kappa
-    moment = section.bending_stiffness * kappa + section.bending_damping * kappa_t
-    if cable.dimension == 3:
-        return np.asarray(np.linalg.norm(moment, axis=1))
-    return np.asarray(moment[:, 0] - section.bending_stiffness * natural)
-
-
-def _cross(a: Array, b: Array) -> Array:
-    """(m, 3) in space, (m, 1) in the plane."""
-    if a.shape[1] == 2:
-        return a[:, :1] * b[:, 1:] - a[:, 1:] * b[:, :1]
-    return np.cross(a, b)
 
 
 def multiplier_tension(cable: Cable, q: Array, v: Array, nodal: Array, length: Array) -> Array:

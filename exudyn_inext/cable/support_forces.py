@@ -1,6 +1,5 @@
 """What supports and links do to a cable: what is left of the balance at a state in motion."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -8,7 +7,11 @@ import numpy as np
 
 from ..arrays import Array
 from ..called_system import Bound
+from ..compiled import Prepared, kernel
+from ..element.inextensibility import length_gradient
+from ..lowered import local_array
 from ..system import accelerate_and_project
+from .assembly import differences
 from .axial_energy import force_in_motion
 from .axial_stiffness import set_step_of_means
 from .cable import Cable
@@ -17,6 +20,10 @@ from .index_reduction import ACCELERATION
 from .linked_cable import LinkedCableSystem, cable_system
 from .records import link_type
 from .saddle_point import apply_mass
+from .section_forces import SolvedState
+
+Solved = tuple[Any, SolvedState]
+"""The system of a cable, which holds its multipliers, and its state."""
 
 
 class SupportForces(NamedTuple):
@@ -38,7 +45,10 @@ class SupportedCable:
         self._closed, self._own_links, self._stretches = cable.closed, len(cable.links), cable.stretches
         self._system = cable_system(cable, 0.0)
         self._free = build_chain(replace(cable, fixed=np.zeros_like(cable.fixed), links=()))
+        self._step = 0.0
+        self._last: tuple[Any, ...] = ()
         self._accelerate = Bound(accelerate_and_project, self._system)
+        self._set_force = Prepared(force_in_motion if cable.stretches else _force_in_motion)
         self._links: Any = np.zeros(0, link_type(cable.dimension))
         if isinstance(self._system, LinkedCableSystem):
             self._links = self._system.link_system.links
@@ -50,55 +60,48 @@ class SupportedCable:
             external: (k, n_external) all that acts, with motions behind it.   q, v: (k, n_dof).
             steps: (k,) before the states, whose mean axial forces count [s].
         """
-        shape = (len(q), *self._system.chain.shape)
-        a, balance = np.zeros(q.shape), np.zeros(shape)
+        a, balance = np.zeros(q.shape), np.zeros((len(q), *self._system.chain.shape))
         links: Any = np.zeros((len(q), len(self._links)), self._links.dtype)
-        balances = self._without_strains if self._stretches else self._without_lengths
-        balances(external, q, v, steps, a, links, balance)
-        balance -= apply_mass(self._free, a.reshape(shape))
+        for k in range(len(q)):
+            state = self._solve_one(external[k], q[k], v[k], steps[k])
+            a[k], links[k] = state.a.ravel(), self._links
+            self._set_balance(external[k, : q.shape[1]].reshape(state.a.shape), state, balance[k])
         of_links = self._take_rods(links, balance)
         if self._closed:
             balance[:, 0] += balance[:, -1]
         return SupportForces(balance, of_links, a)
 
-    def _states(
-        self, external: Array, q: Array, v: Array, steps: Array, a: Array, links: Any
-    ) -> Iterator[int]:
-        """Solve for each of them.   a: (k, n_dof) and links: (k, L) output."""
-        rate = np.zeros(q.shape[1])
-        for k in range(len(q)):
-            for chain in (self._system.chain, self._free) if self._stretches else ():
-                set_step_of_means(steps[k], chain.nodes, chain.elements)
-            self._accelerate(external[k], q[k], v[k], 0.0, a[k], rate)
-            links[k] = self._links
-            yield k
+    def solved(self, external: Array, q: Array, v: Array, step: float) -> Solved:
+        """One state, which may have been the last one; arguments: see `solve`."""
+        if self._last != self._all_of(external, q, v, step):
+            self._solve_one(external, q, v, step)
+        return self._system, self._state
 
-    def _without_lengths(self, external: Array, q: Array, v: Array, steps: Array, *output: Array) -> None:
-        """F - C_q^T lam of the length constraints, into the last of the outputs, (k, n, 2, dim)."""
-        a, links, balance = output
-        chain = self._system.chain
-        pulls = np.zeros((len(q), len(chain.elements)))
-        for k in self._states(external, q, v, steps, a, links):
-            balance[k] = chain.nodes["force"][:, ACCELERATION]
-            pulls[k] = chain.elements["multiplier"][:, ACCELERATION]
-        states = q.reshape(balance.shape)
-        e = np.empty((*pulls.shape, 3, balance.shape[-1]))
-        e[:, :, 0] = states[:, 1:, 0] - states[:, :-1, 0]
-        e[:, :, 1], e[:, :, 2] = states[:, :-1, 1], states[:, 1:, 1]
-        gradient = 2.0 * chain.elements["slope_gram"] @ e  # see `length_gradient`
-        along = pulls[:, :, np.newaxis, np.newaxis] * gradient
-        balance[:, :-1, 0] += along[:, :, 0]
-        balance[:, :-1, 1] -= along[:, :, 1]
-        balance[:, 1:] -= along[:, :, ::2]
+    def _solve_one(self, external: Array, q: Array, v: Array, step: float) -> SolvedState:
+        if self._stretches and step != self._step:
+            for chain in self._system.chain, self._free:
+                set_step_of_means(step, chain.nodes, chain.elements)
+            self._step = step
+        a, rest = np.zeros((2, q.size))
+        self._accelerate(external, q, v, 0.0, a, rest)
+        self._last = self._all_of(external, q, v, step)
+        self._state = solved_state(self._system, q.copy(), v.copy(), a)
+        return self._state
 
-    def _without_strains(self, external: Array, q: Array, v: Array, steps: Array, *output: Array) -> None:
-        """F less what axial stiffness does, as above."""
-        a, links, balance = output
-        shape = balance.shape[1:]
-        for k in self._states(external, q, v, steps, a, links):
-            force = external[k, : q.shape[1]].reshape(shape)
-            q_k, v_k, a_k = (array[k].reshape(shape) for array in (q, v, a))
-            force_in_motion(self._free, force, q_k, v_k, a_k, balance[k])
+    def _all_of(self, external: Array, q: Array, v: Array, step: float) -> tuple[Any, ...]:
+        """What decides on a state that is solved."""
+        return external.tobytes(), q.tobytes(), v.tobytes(), step if self._stretches else 0.0
+
+    def _set_balance(self, force: Array, state: SolvedState, balance: Array) -> None:
+        """F - M a less what lengths or strains do, but with nodal multipliers and links.
+
+        force: (n, 2, dim) that acts on the nodes.   balance: (n, 2, dim) output.
+        """
+        if self._stretches:
+            self._set_force(self._free, force, state.q, state.v, state.a, balance)
+        else:
+            self._set_force(self._system.chain, state.q, balance)
+        balance -= apply_mass(self._free, state.a)
 
     def _take_rods(self, links: Any, balance: Array) -> Array:
         """Multipliers (k, L) of the links; what the rods do is taken out of the balance."""
@@ -110,3 +113,29 @@ class SupportedCable:
         states = np.arange(len(links))[:, np.newaxis, np.newaxis]
         np.subtract.at(balance, (states, links["node"]), at_nodes)
         return multipliers[:, links.shape[1] - self._own_links :]
+
+
+def solved_state(system: Any, q: Array, v: Array, a: Array) -> SolvedState:
+    """Of a system that has just given these accelerations.   q, v, a: (n_dof,)."""
+    multiplier = system.chain.elements["multiplier"][:, ACCELERATION].copy()
+    shape = system.chain.shape
+    return SolvedState(q.reshape(shape), v.reshape(shape), a.reshape(shape), multiplier)
+
+
+@kernel
+def _force_in_motion(chain, q, force):
+    """force (n, 2, dim) of all but inertia, nodal constraints and links, after the solve at q [N, Nm]."""
+    axes, e, gradient = chain.axes, local_array(3, 3), local_array(3, 3)
+    for k in range(len(chain.nodes)):
+        for i in range(len(axes)):
+            force[k, 0, i] = chain.nodes[k].force[ACCELERATION, 0, i]
+            force[k, 1, i] = chain.nodes[k].force[ACCELERATION, 1, i]
+    for k in range(len(chain.elements)):
+        differences(axes, q, k, e)
+        length_gradient(axes, chain.elements[k].slope_gram, e, gradient)
+        pull = chain.elements[k].multiplier[ACCELERATION]
+        for i in range(len(axes)):
+            force[k, 0, i] += pull * gradient[0, i]
+            force[k, 1, i] -= pull * gradient[1, i]
+            force[k + 1, 0, i] -= pull * gradient[0, i]
+            force[k + 1, 1, i] -= pull * gradient[2, i]

@@ -22,6 +22,7 @@ from ..cable.section_forces import (
     multiplier_tension,
     section_forces,
 )
+from ..cable.support_forces import Solved, SupportedCable, solved_state
 from ..called_system import Bound
 from ..checks import LARGEST_NUMBER_OF_ITEMS, require_flag, require_integer
 from ..errors import InputError, SceneError
@@ -33,11 +34,11 @@ from ..native.native_items import state_kept, switched_off
 from ..native.velocity_level import at_position_level
 from ..run.cable_loads import CableLoads
 from ..scene.model import CableInScene, Scene
-from ..system import ELASTIC, KINETIC, REPORTED, index_reduced_rates, report_energy
+from ..system import ELASTIC, KINETIC, REPORTED, report_energy
 from .mbs_state import last_step
 from .scene import read_scene, require_assembled
 
-JoinedForces = Callable[[int, float], tuple[float, Array] | None]  # see `ExplicitTimeLoop.joined_forces`
+OfRun = Callable[[int, float], Solved | None]  # see `ExplicitTimeLoop.solved`
 
 
 def _nothing_known(cable: int, time: float) -> None:
@@ -49,27 +50,23 @@ class SceneEvaluator:
 
     It holds no mbs, so that a sensor which keeps it does not keep its mbs alive, until it has had to evaluate
     a cable among bodies and joints; see `forget_evaluators`.
-
-    joined_forces: of a run, see `ExplicitTimeLoop.joined_forces`.
     """
 
-    def __init__(self, mbs: Any, joined_forces: JoinedForces = _nothing_known) -> None:
+    def __init__(self, mbs: Any) -> None:
         require_assembled(mbs)
         self.scene = read_scene(mbs)
-        self._joined_forces = joined_forces
-        self._loads: dict[tuple[int, bool], CableLoads] = {}
+        self._loads: dict[int, CableLoads] = {}
         self._values: dict[int, Array] = {}  # of loads that have been set since
-        self._systems: dict[int, tuple[Any, Bound]] = {}
+        self._alone: dict[int, SupportedCable] = {}
         self._coupled: CoupledScene | None = None
         self._solved: bytes | None = None  # the state of all parts that has been evaluated last
 
-    def loads(self, place: int, among_others: bool = False) -> CableLoads:
-        """On a cable, by its place in the scene; without what others do, see `CableInScene.among_others`."""
-        key, cable = (place, among_others), self.scene.cables[place]
-        if key not in self._loads:
-            self._loads[key] = CableLoads(cable.among_others if among_others else cable)
-            self._loads[key].change(self._values)
-        return self._loads[key]
+    def loads(self, place: int) -> CableLoads:
+        """On a cable, by its place in the scene."""
+        if place not in self._loads:
+            self._loads[place] = CableLoads(self.scene.cables[place])
+            self._loads[place].change(self._values)
+        return self._loads[place]
 
     def take_forces(self, values: Mapping[int, Array]) -> None:
         """Loads on cables among nothing else have other values, or what is no cable has other forces.
@@ -81,56 +78,40 @@ class SceneEvaluator:
             loads.change(values)
         self._solved = None
 
-    def solve(self, mbs: Any, place: int) -> tuple[Any, Array, Array, Array]:
-        """The system of a cable, which then holds its multipliers, and its q, v, a of the present state."""
-        time = mbs.systemData.GetTime()
-        if not self.scene.foreign:
-            return self._solve_alone(mbs, place, self.loads(place).at(time))
-        number = self.scene.cables[place].number
-        known = self._joined_forces(number, time)
-        if known is None:
-            return self._solve_among_others(mbs, place)
-        time, joined = known
-        external = self.loads(place, among_others=True).at(time).copy()
-        external[: len(joined)] += joined
-        return self._solve_alone(mbs, place, external)
+    def solve(self, mbs: Any, place: int) -> Solved:
+        """A cable in the present state."""
+        return self._solve_among_others(mbs, place) if self.scene.foreign else self._solve_alone(mbs, place)
 
-    def _take_means(self, mbs: Any, systems: Mapping[int, Any]) -> list[float]:
-        """Let cables that stretch have mean forces of their last step; returns these [s]."""
-        cables, steps = self.scene.cables, []
-        for place, system in systems.items():
-            if cables[place].cable.stretches:
-                steps.append(last_step(mbs, cables[place].number))
-                set_step_of_means(steps[-1], system.chain.nodes, system.chain.elements)
-        return steps
+    def _last_step(self, mbs: Any, place: int) -> float:
+        """Before the present state, of a cable [s]."""
+        return last_step(mbs.sys, self.scene.cables[place].number, mbs.systemData.GetTime())
 
-    def _solve_alone(self, mbs: Any, place: int, external: Array) -> tuple[Any, Array, Array, Array]:
-        """external: (n_external,) all that acts, see `CableLoads.at`."""
+    def _solve_alone(self, mbs: Any, place: int) -> Solved:
         data, cable = mbs.systemData, self.scene.cables[place]
-        if place not in self._systems:
-            system = cable_system(cable.cable, 0.0)
-            self._systems[place] = system, Bound(index_reduced_rates, system)
-        system, evaluate = self._systems[place]
-        self._take_means(mbs, {place: system})
+        if place not in self._alone:
+            self._alone[place] = SupportedCable(cable.cable)
         q = cable.cable.reference.ravel() + np.asarray(data.GetODE2Coordinates())[cable.indices]
         v = np.asarray(data.GetODE2Coordinates_t())[cable.indices]
-        a, rate = np.zeros(q.size), np.zeros(q.size)
-        evaluate(external, q, v, a, rate)
-        return system, q, v, a
+        given = self.loads(place).at(data.GetTime()), q, v, self._last_step(mbs, place)
+        return self._alone[place].solved(*given)
 
-    def _solve_among_others(self, mbs: Any, place: int) -> tuple[Any, Array, Array, Array]:
+    def _solve_among_others(self, mbs: Any, place: int) -> Solved:
         """With all bodies and joints, evaluated by Exudyn; its state is put back."""
         self._coupled = coupled = self._coupled or self._coupled_scene(mbs)
         time, (q, v) = mbs.systemData.GetTime(), coupled.state()
-        steps = self._take_means(mbs, dict(enumerate(coupled.cable_systems)))
+        steps = [self._last_step(mbs, k) for k in range(len(self.scene.cables))]
         state = np.concatenate([[time, *steps], q, v]).tobytes()
         if state != self._solved:
+            for step, system in zip(steps, coupled.cable_systems, strict=True):
+                if system.chain.elements["axial"].size:
+                    set_step_of_means(step, system.chain.nodes, system.chain.elements)
             with switched_off(mbs, *self.scene.evaluated_by_kernels), state_kept(mbs):
                 coupled.native_items.forget()
                 coupled.solve(time, q, v)
             self._solved = state
-        dofs = coupled.map.slices[place]
-        return coupled.cable_systems[place], q[dofs], v[dofs], coupled.set_multipliers(place, time, q, v)
+        dofs, system = coupled.map.slices[place], coupled.cable_systems[place]
+        a = coupled.set_multipliers(place, time, q, v)
+        return system, solved_state(system, q[dofs], v[dofs], a)
 
     def _coupled_scene(self, mbs: Any) -> CoupledScene:
         with switched_off(mbs, *self.scene.evaluated_by_kernels), state_kept(mbs):
@@ -144,7 +125,12 @@ class SceneEvaluator:
 
 
 class CableEvaluator:
-    """Evaluates one cable of a scene.   scene: what evaluates all of it."""
+    """Evaluates one cable of a scene.   scene: what evaluates all of it.
+
+    known: of the present state, by a run.
+    """
+
+    known: Solved | None = None
 
     def __init__(self, mbs: Any, number: int, scene: SceneEvaluator) -> None:
         self._scene, self._place = scene, _place_of(scene.scene, number)
@@ -170,8 +156,9 @@ class CableEvaluator:
 
     def energies(self, mbs: Any) -> tuple[float, float]:
         """Kinetic and elastic energy [J] of the present state; zero where nothing is strained."""
-        system, q, v, a = self._scene.solve(mbs, self._place)
+        system, state = self._solved(mbs)
         external = self._scene.loads(self._place).at(mbs.systemData.GetTime())
+        q, v, a = (x.ravel() for x in (state.q, state.v, state.a))
         energies = np.zeros(REPORTED)
         Bound(report_energy, system)(external, q, v, a, np.zeros(q.size), energies)
         return float(energies[KINETIC]), float(energies[ELASTIC]) + self._cable.cable.natural_energy()
@@ -179,17 +166,18 @@ class CableEvaluator:
     def solve(self, mbs: Any) -> SolvedState:
         """The present state of the mbs, with its accelerations and multipliers."""
         self._gravity = self._scene.loads(self._place).gravity_at(mbs.systemData.GetTime())
-        self._system, q, v, a = self._scene.solve(mbs, self._place)
-        shape = self._cable.cable.reference.shape
-        multiplier = self._system.chain.elements["multiplier"][:, 0].copy()
-        return SolvedState(q.reshape(shape), v.reshape(shape), a.reshape(shape), multiplier)
+        self._system, state = self._solved(mbs)
+        return state
+
+    def _solved(self, mbs: Any) -> Solved:
+        return self.known or self._scene.solve(mbs, self._place)
 
 
 class _Keeper:
     """What sensors of section forces keep from one output to the next; those of a run share one."""
 
-    def __init__(self, joined_forces: JoinedForces = _nothing_known) -> None:
-        self._joined_forces = joined_forces
+    def __init__(self, of_run: OfRun = _nothing_known) -> None:
+        self._of_run = of_run
         self.forget()
 
     def forget(self) -> None:
@@ -205,17 +193,18 @@ class _Keeper:
 
     def evaluator(self, mbs: Any, number: int, time: float, who: Any) -> CableEvaluator:
         """Of a cable; read again if the same sensor asks again: then loads may have changed, out of a run."""
-        is_asked_again = time == self._time and who in self._asked
-        may_have_changed = is_asked_again and self._joined_forces(number, time) is None
+        known = self._of_run(number, time)
+        may_have_changed = time == self._time and who in self._asked and known is None
         if self._scene is None or time < self._time or may_have_changed:
             self.forget()
-            self._scene = SceneEvaluator(mbs, self._joined_forces)
+            self._scene = SceneEvaluator(mbs)
         elif time > self._time:
             self._asked.clear()
         self._time = time
         self._asked.add(who)
         if number not in self._cables:
             self._cables[number] = CableEvaluator(mbs, number, self._scene)
+        self._cables[number].known = known
         return self._cables[number]
 
 
@@ -323,12 +312,12 @@ def add_sensor_of_cable(
 
 
 @contextmanager
-def shared_evaluators(sensors: Sequence[Any], joined_forces: JoinedForces) -> Iterator[None]:
+def shared_evaluators(sensors: Sequence[Any], of_run: OfRun) -> Iterator[None]:
     """Sensors of section forces evaluate a state together; afterwards they have let go of what they keep.
 
-    sensors: data of all.   joined_forces: see `SceneEvaluator`.
+    sensors: data of all.   of_run: what it knows.
     """
-    shared, functions = _Keeper(joined_forces), _with_keepers(sensors)
+    shared, functions = _Keeper(of_run), _with_keepers(sensors)
     try:
         for function in functions:
             function.keeper = shared

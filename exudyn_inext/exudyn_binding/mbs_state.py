@@ -43,10 +43,13 @@ class LastSteps:
             self.place[_STEPS] = first, interval, steps, self._of_cable
 
 
-def last_step(mbs: Any, cable: int) -> float:
-    """Before the present state of mbs, of the cable with that object [s]; 0 where no run has led there."""
-    first, interval, steps, of_cable = mbs.sys.get(_STEPS, (0.0, 1.0, np.zeros((0, 0)), {}))
-    intervals = (mbs.systemData.GetTime() - first) / interval
+def last_step(place: Any, cable: int, time: float) -> float:
+    """Before a state, of the cable with that object [s]; 0 where no run has led there.
+
+    place: `mbs.sys`.   time: of the state [s].
+    """
+    first, interval, steps, of_cable = place.get(_STEPS, (0.0, 1.0, np.zeros((0, 0)), {}))
+    intervals = (time - first) / interval
     row = round(intervals)
     is_there = cable in of_cable and 0 <= row < steps.shape[1] and abs(intervals - row) < SAME_TIME
     return float(steps[of_cable[cable], row]) if is_there else 0.0

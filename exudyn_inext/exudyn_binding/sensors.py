@@ -126,9 +126,21 @@ class OutputTimes:
         return result
 
 
-def sensors_of_forces(sensors: Sequence[Any]) -> frozenset[int]:
-    """Numbers of those that look at accelerations or forces, or may.   sensors: data of all of them."""
-    return frozenset(k for k, one in enumerate(sensors) if _derivatives_of(one) == ACCELERATIONS)
+def sensors_of_forces(sensors: Sequence[Any], supports: Collection[int]) -> dict[int, bool]:
+    """Numbers of those that look at accelerations or forces, or may; whether at forces of supports.
+
+    sensors: data of all of them.   supports: numbers of supports and links of cables.
+    """
+    numbers = (k for k, one in enumerate(sensors) if _derivatives_of(one) == ACCELERATIONS)
+    return {k: _may_look_at(sensors[k], supports) for k in numbers}
+
+
+def _may_look_at(sensor: dict[str, Any], supports: Collection[int]) -> bool:
+    """Whether a sensor may look at multipliers of these constraints."""
+    if sensor["sensorType"] == "Object":
+        return int(sensor["objectNumber"]) in supports
+    is_of_cable = hasattr(sensor.get("sensorUserFunction", {}).get("function"), "keeper")
+    return not (is_of_cable or sensor["sensorType"] in _OF_POINTS)
 
 
 def _derivatives_of(sensor: dict[str, Any]) -> int:

@@ -226,7 +226,8 @@ def _solve(
         restarts.changes_so_far = changes.stored
         loop = ExplicitTimeLoop(mbs, runs, grid, restarts, observed_derivatives(*looking), changes)
         loop.output_times = OutputTimes(*looking, partial(look_of_item_functions, mbs), solver)
-        log.sensors_of_forces, log.show_forces = sensors_of_forces(sensors), loop.show_forces
+        log.sensors_of_forces = sensors_of_forces(sensors, scene.own_constraints)
+        log.show_forces = loop.show_forces
         loop.step_is_from = decided_by if explicit.stepSize is None else ""
         shown: AbstractContextManager[None] = nullcontext()
         if restarts.found:
@@ -237,7 +238,7 @@ def _solve(
             outputs.cut(grid.time(grid.first) + 0.5 * grid.substeps * grid.h)
         header = header_of(explicit, grid.h, decided_by, grid.substeps)
         until_steps.close()
-        with shared_evaluators(sensors, loop.joined_forces), shown, listening(log):
+        with shared_evaluators(sensors, loop.solved), shown, listening(log):
             _run(mbs, solver, settings, loop, outputs, log, header)
         with state_kept(mbs):
             warn_of_worst([one for kept in loop.kept_states for one in left_out_stretch(kept)])

@@ -11,15 +11,16 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array, as_slice
+from ..cable.support_forces import Solved
 from ..errors import DivergenceError, SceneError
 from ..items.functions_of_time import has_sensor_functions, step_functions
 from ..native.compiled_form import active_general_contacts
-from ..run.coupled_run import CoupledRun, Run
+from ..run.coupled_run import Run
 from ..run.divergence import divergence, listed
 from ..run.kept_state import KeptState
 from ..run.time_grid import TimeGrid
 from .kept_states import KeptStates
-from .mbs_state import INITIAL, LastSteps
+from .mbs_state import INITIAL, LastSteps, last_step
 from .restart import Restarts
 from .sensors import ACCELERATIONS, VELOCITIES, OutputTimes
 
@@ -94,6 +95,7 @@ class ExplicitTimeLoop:
         self._until_output = UNSEEN  # steps until somebody looks at accelerations and forces, where items ask
         self._is_changed = False  # before the step that is computed next
         self._lacks_forces = False  # mbs, and accelerations: nobody was to look at them in its state
+        self._shows_supports = self._lacks_supports = False  # where somebody looks at other forces
         is_unstretched = not (self._written[0].any() or np.any(self._data.GetAECoordinates(INITIAL)))
         self.kept_states = [KeptStates(run, is_unstretched) for run in runs]
         for run in runs:
@@ -196,7 +198,7 @@ class ExplicitTimeLoop:
         plain = self._plain_user_function()
 
         def take_step(solver: Any, mbs: Any, settings: Any) -> bool:
-            self._lacks_forces = False
+            self._lacks_forces = self._lacks_supports = False
             if not (self._is_ahead and length_hint(self._states)):
                 with self._remembering_errors:
                     self._take_over_changes()
@@ -213,15 +215,20 @@ class ExplicitTimeLoop:
         """Whether compiled code alone gives accelerations and forces, whenever somebody looks at them."""
         return all(run.completes for run in self.runs)
 
-    def show_forces(self) -> None:
-        """Give mbs accelerations and forces in its state, if nobody was to look at them: somebody does."""
-        if not self._lacks_forces:
+    def show_forces(self, of_supports: bool = True) -> None:
+        """Give mbs accelerations and forces in its state, if nobody was to look at them: somebody does.
+
+        of_supports: whether at those of supports of cables, which are left out until somebody does.
+        """
+        self._shows_supports |= of_supports
+        if not (self._lacks_forces or (of_supports and self._lacks_supports)):
             return
-        self._lacks_forces = False
-        state, reactions = self._ahead[1][-1:], [np.zeros(self._data.AEsize())]
+        self._lacks_forces, self._lacks_supports = False, not self._shows_supports
+        state, reactions = self._ahead[1][-1:], np.zeros((1, self._data.AEsize()))
+        time, row = np.array([self.grid.time(self._computed)]), np.array([-1])
         for run, places in zip(self.runs, self._places, strict=True):
             history = state[:, :, places]
-            self._complete(run, self._computed - 1, history, reactions)
+            run.complete(time, row, history, reactions, self._shows_supports)
             state[:, :, places] = history
         self._data.SetODE2Coordinates_tt(state[0, ACCELERATIONS - 1])
         self._data.SetAECoordinates(reactions[0])
@@ -484,20 +491,22 @@ class ExplicitTimeLoop:
             self._last_steps = LastSteps(self._last_steps.place, runs)
             self.kept_states = list(map(KeptStates, runs))
 
-    def joined_forces(self, cable: int, time: float) -> tuple[float, Array] | None:
-        """(n_dof,) of items and joints on a cable among others, by its object, in the state of mbs.
+    def solved(self, cable: int, time: float) -> Solved | None:
+        """A cable, by its object, in the state of mbs; None: nobody has asked for forces there, or
+        something has been changed.
 
-        And the time of that state [s]; None: nobody has asked for them there, or something has been changed.
         time: of mbs, which is that of the next state where a pre-step function looks.
         """
+        present = self._present()
         if self._is_watched:
-            if self.changes.log.is_pending or not self._is_as_handed_out(self._present()):
+            if self.changes.moves or self.changes.log.is_pending or not self._is_as_handed_out(present):
                 return None
             time = self.time
-        is_moved = time > self.grid.time(self.grid.first)  # at the start, only the run has what was corrected
-        coupled = [run for run in self.runs if isinstance(run, CoupledRun)]
-        forces = coupled[0].joined_forces(cable, time) if coupled and is_moved else None
-        return None if forces is None else (time, forces)
+        if time <= self.grid.time(self.grid.first):  # there, only the run has what was corrected
+            return None
+        step = last_step(self._last_steps.place, cable, time)
+        found = (run.solved(cable, time, present[:2], step) for run in self.runs)
+        return next(filter(None, found), None)
 
     def _is_as_handed_out(self, present: Sequence[Array]) -> bool:
         """Whether the state of mbs is still that which it was given last."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -71,12 +72,13 @@ class ConstantWeights:
         """Set loads to (3,) [m/s^2], by their numbers; returns those that are weights of this cable."""
         found = self._rows.keys() & values
         for number in found:
+            self.__dict__.pop("gravity", None)
             self._vectors[self._rows[number]] = values[number]
         return found
 
-    @property
+    @cached_property
     def gravity(self) -> Array:
-        """(N, dim) acceleration of each element [m/s^2].
+        """(N, dim) acceleration of each element [m/s^2]; not to be written to.
 
         Raises:
             SceneError: a weight has a component out of the plane of its cable.

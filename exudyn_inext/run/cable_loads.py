@@ -86,7 +86,7 @@ class CableLoads:
         total = self._weights.gravity
         for load in self._histories:
             if isinstance(load, ElementWeight):
-                total += load.gravity(self._components_at(load, time), total.shape)
+                total = total + load.gravity(self._components_at(load, time), total.shape)
         return total
 
     def has_functions_of(self, other: "CableLoads") -> bool:
@@ -133,6 +133,8 @@ class CableLoads:
 
     def at_times(self, times: list[float]) -> Array:
         """(k, n_external) as `at`, at all of them."""
+        if not len(self.pattern):
+            return self.constant[np.newaxis].repeat(len(times), axis=0)
         forces: Array = self.constant + self.factors(times) @ self.pattern
         return forces
 

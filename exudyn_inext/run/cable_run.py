@@ -1,7 +1,7 @@
 """One cable during a run: its compiled system, its state, and its place in the mbs."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,7 +19,7 @@ from ..cable.frequency import FrequencyTracker, largest_frequency, nodal_multipl
 from ..cable.implicit_bending import EXPLICIT, ImplicitBending
 from ..cable.linked_cable import cable_system, memory_of
 from ..cable.section_forces import constraint_tension
-from ..cable.support_forces import SupportedCable
+from ..cable.support_forces import Solved, SupportedCable
 from ..called_system import called, kernel_behind
 from ..compiled import Prepared
 from ..errors import SceneError
@@ -40,6 +40,7 @@ from .consistent_start import (
 )
 from .divergence import GIVEN_UP, explanation
 from .jump import accelerate_again, remembers_axial_forces
+from .kept_state import KeptState
 from .paced_run import PacedRun
 from .redundancy import PULLED, element_masses, is_held_straight, require_independent
 from .settings import SAY_OF_TIME, ExplicitSettings
@@ -175,7 +176,7 @@ class CableRun(PacedRun):
     def adopt(self, system: Any) -> None:
         """The same equations in memory that cables share."""
         self.system, self._tracker = system, FrequencyTracker(system, self.scene_cable.cable.reference.shape)
-        for name in ("called", "_corrections", "_strains"):
+        for name in ("called", "_corrections", "_learned", "_strains"):
             self.__dict__.pop(name, None)
 
     @cached_property
@@ -187,6 +188,11 @@ class CableRun(PacedRun):
     def _corrections(self) -> dict[str, Any]:
         """See `memory_of`."""
         return memory_of(self.system)
+
+    @cached_property
+    def _learned(self) -> KeptState:
+        """Of these."""
+        return KeptState(self._corrections)
 
     def follow_frequency(self, rule: StepRule) -> None:
         """Let the steps follow the present stability limit."""
@@ -239,17 +245,41 @@ class CableRun(PacedRun):
         """Whether constraints of the mbs hold or move it."""
         return bool(self.scene_cable.reactions)
 
-    def put_reactions(self, external: Array, q: Array, v: Array, steps: Array, multipliers: Array) -> None:
+    def put_reactions(
+        self, times: Array, joined: Array | float, q: Array, v: Array, steps: Array, multipliers: Array
+    ) -> None:
         """Multipliers (k, m) of Exudyn's algebraic equations, those of the cable's own supports.
 
         Args:
-            external: (k, n_external) all that acts, see `CableLoads`.   q, v: (k, n_dof).
-            steps: (k,) before the states [s].   multipliers: output.
+            times, steps: (k,) of the states, and before them [s].   q, v: (k, n_dof).
+            joined: (k, n_dof) forces of items and joints.   multipliers: output.
         """
-        forces = self._supported.solve(external, q, v, steps)
+        forces = self._supported.solve(self._external_at(times.tolist(), joined), q, v, steps)
         put_reactions(self.scene_cable.reactions, forces, multipliers)
 
-    def complete(self, times: Array, rows: Places, history: Array, multipliers: Array) -> bool:
+    def _external_at(self, times: list[float], joined: Array | float) -> Array:
+        """(k, n_external) all that acts at these times."""
+        external = self.loads.at_times(times)
+        external[:, : len(self.reference)] += joined
+        return external
+
+    def solved(self, number: int, time: float, state: Sequence[Array], step: float) -> Solved | None:
+        """The cable with that object in a state of mbs after steps, by the mass as it is.
+
+        Args:
+            number: of its object; None is returned if it is another one.
+            time, step: of the state, and before it [s].   state: displacements and velocities of mbs.
+        """
+        return self.solved_among(0.0, time, state, step) if number == self.scene_cable.number else None
+
+    def solved_among(self, joined: Array | float, time: float, state: Sequence[Array], step: float) -> Solved:
+        """As `solved`.   joined: (n_dof,) forces of items and joints."""
+        q, v = (x[self.scene_cable.indices] for x in state)
+        return self._supported.solved(self._external_at([time], joined)[0], q + self.reference, v, step)
+
+    def complete(
+        self, times: Array, rows: Places, history: Array, multipliers: Array, of_supports: bool = True
+    ) -> bool:
         """Set accelerations, unless they are those of the scheme, and multipliers of recorded states.
 
         Args:
@@ -257,14 +287,14 @@ class CableRun(PacedRun):
             rows: (k,) which of the last recorded ones they are, rising; -1 is the last one.
             history: (k, 3, n) displacements and velocities, and output: accelerations.
             multipliers: (k, m) output, of Exudyn's algebraic equations.
+            of_supports: whether those of the supports of cables are asked for.
 
         Returns:
             Whether multipliers have been set.
         """
-        if self.has_reactions:
-            external = self.loads.at_times(times.tolist())
+        if self.has_reactions and of_supports:
             q, steps = history[:, 0] + self.reference, self.steps_before_rows(rows)
-            self.put_reactions(external, q, history[:, 1], steps, multipliers)
+            self.put_reactions(times, 0.0, q, history[:, 1], steps, multipliers)
         return self.has_reactions
 
     def accelerations(self, time: float, multipliers: Array) -> Array:
@@ -399,7 +429,8 @@ class CableRun(PacedRun):
         """See `PacedRun.start_scheme`."""
         memory, external = self._corrections, self.loads.at(time)
         if self._stretches and remembers_axial_forces(memory):
-            accelerate_again(self.called, external, self.state, self.control.present, [memory])
+            given = self.called, external, self.state, self.control.present
+            accelerate_again(*given, [memory], self._learned)
         else:
             self._start_scheme(self.called, external, self.state)
 

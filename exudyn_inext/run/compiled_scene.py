@@ -195,6 +195,7 @@ class CompiledScene:
         self._has_angles, self._has_spins = bool((rotations == 3).any()), bool((rotations > 1).any())
         self._unscaled: SceneSystem | None = None
         self._stretching: list[Chain] = []  # cables of that one
+        self._step_of_means = 0.0  # of these [s]
         self._take_steps = Prepared(take_steps)
         self._set(system)
         self._violation = Prepared(joint_violation)
@@ -441,13 +442,19 @@ class CompiledScene:
             self._accelerate_unscaled = Bound(accelerate_and_project, self._unscaled)
         multipliers = np.zeros((len(times), len(self.multipliers)))
         forces = np.zeros((len(times), len(self.system.items.force)))
-        changes: Any = np.flatnonzero(np.diff(steps)) + 1 if self._stretching else ()
+        may_change = self._stretching and len(steps) > 1
+        changes: Any = np.flatnonzero(np.diff(steps)) + 1 if may_change else ()
         for rows in starmap(slice, pairwise([0, *changes, len(times)])):
-            for chain in self._stretching:
-                set_step_of_means(steps[rows.start], chain.nodes, chain.elements)
+            self._take_means(steps[rows.start])
             data = None if remembered is None else remembered[rows]
             self._evaluate_alike(times[rows], history[rows], data, multipliers[rows], forces[rows])
         return multipliers, forces
+
+    def _take_means(self, step: float) -> None:
+        """Let cables that stretch, with their mass as it is, have mean forces of such a step [s]."""
+        for chain in self._stretching if step != self._step_of_means else ():
+            set_step_of_means(step, chain.nodes, chain.elements)
+        self._step_of_means = step
 
     def _evaluate_alike(
         self, times: Array, history: Array, remembered: Array | None, multipliers: Array, forces: Array
@@ -475,6 +482,7 @@ class CompiledScene:
         """The same system in memory of its own, with the cables' mass as it is."""
         groups = in_few_chains(cable_systems(cables, self.system.zeta))
         chains = [system.chain for system, _ in groups]
+        self._step_of_means = 0.0
         self._stretching = [chain for chain in chains if chain.elements["axial"].size]
         own = cables_of_scene(groups, [loads for _, _, loads in self._cables])
         own.functions[:] = self.system.cables.functions

@@ -9,6 +9,7 @@ import numpy as np
 from ..arrays import Array, Places
 from ..cable.cable import Cable
 from ..cable.linked_cable import memory_of
+from ..cable.support_forces import Solved
 from ..errors import DivergenceError, OffCableError, RedundantConstraintError, SceneError
 from ..integrators.integrator import Integrator, remembered
 from ..scene.model import CableInScene
@@ -95,7 +96,8 @@ class CoupledRun(LimitedRun):
     def _move_by(self, mover: MovedByKernels | MovedByExudyn) -> None:
         self.mover: MovedByKernels | MovedByExudyn = mover
         self.looks_ahead, self.elsewhere, self.data = mover.looks_ahead, mover.elsewhere, mover.data
-        self.__dict__.pop("_kept", None)  # elsewhere is another place now
+        for name in ("_kept", "_learned"):  # elsewhere is another place now
+            self.__dict__.pop(name, None)
 
     def make_consistent(self, start: Start) -> None:
         """See `CableRun.make_consistent`."""
@@ -179,6 +181,7 @@ class CoupledRun(LimitedRun):
         if not self._by_kernels:
             if self._scene.parts_in_one:
                 self._scene.leave_compiled_parts()
+                self.__dict__.pop("_learned", None)
                 self.mover.begin_by(self.integrator.resume, time)
         else:
             self._leave_kernels(CHANGED)
@@ -267,14 +270,13 @@ class CoupledRun(LimitedRun):
             self.mover.begin_by(self.integrator.resume, time)
         return found
 
-    def joined_forces(self, cable: int, time: float) -> Array | None:
-        """(n_dof,) of items and joints on the cable with that object, see `Mover.joined_forces`."""
+    def solved(self, number: int, time: float, state: Sequence[Array], step: float) -> Solved | None:
+        """See `CableRun.solved`; None: nobody has asked for forces then, see `Mover.joined_forces`."""
         forces = self.mover.joined_forces(time)
         if forces is None:
             return None
-        numbers = [run.scene_cable.number for run in self._runs]
-        result: Array = forces[self._scene.map.slices[numbers.index(cable)]]
-        return result
+        k = [run.scene_cable.number for run in self._runs].index(number)
+        return self._runs[k].solved_among(forces[self._scene.map.slices[k]], time, state, step)
 
     def tensions(self, time: float, displacements: Array, velocities: Array) -> list[Array]:
         """See `CableRun.tensions`; of all cables."""
@@ -330,10 +332,15 @@ class CoupledRun(LimitedRun):
             "depths": self._depths,
         }
 
-    @property
+    @cached_property
     def _corrections(self) -> dict[str, Any]:
         """Drift corrections and axial forces of the cables."""
         return {str(k): memory_of(system) for k, (system, _) in enumerate(self._scene.groups)}
+
+    @cached_property
+    def _learned(self) -> KeptState:
+        """Of all drift corrections and axial forces."""
+        return KeptState({"scene": self._scene.memory(), "cables": self._corrections})
 
     @property
     def _has_axial_forces(self) -> bool:
@@ -388,9 +395,12 @@ class CoupledRun(LimitedRun):
         """(n,) forces that act besides those of the items, and may be changed between steps."""
         return self.mover.given
 
-    def complete(self, times: Array, rows: Places, history: Array, multipliers: Array) -> bool:
+    def complete(
+        self, times: Array, rows: Places, history: Array, multipliers: Array, of_supports: bool = True
+    ) -> bool:
         """See `CableRun.complete`."""
-        return self.mover.complete(times, rows, self.steps_before_rows(rows), history, multipliers)
+        steps = self.steps_before_rows(rows)
+        return self.mover.complete(times, rows, steps, history, multipliers, of_supports)
 
     def set_accelerations(self, times: Array, history: Array) -> None:
         """See `MovedByKernels.set_accelerations`."""
@@ -446,11 +456,8 @@ class CoupledRun(LimitedRun):
         if not self._has_axial_forces:
             self.mover.begin_by(self.integrator.start, time)
             return
-        scene = KeptState(self._scene.memory())
-        cables = list(self._corrections.values())
-        system, external = self.mover.system, self.mover.external_at(time)
-        accelerate_again(system, external, self.state, self.control.present, cables)
-        scene.restore()
+        given = self.mover.system, self.mover.external_at(time), self.state, self.control.present
+        accelerate_again(*given, self._corrections.values(), self._learned)
 
     def watch_on(self, time: float) -> None:
         self.watch.go_on(time, self.state)

@@ -1,12 +1,13 @@
 """Accelerations after forces have jumped between two steps, of cables that stretch."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
 from ..system import accelerate_and_project
+from .kept_state import KeptState
 
 _RECORDS = ("nodes", "elements")
 
@@ -17,7 +18,12 @@ def remembers_axial_forces(memory: Mapping[str, Any]) -> bool:
 
 
 def accelerate_again(
-    system: Any, external: Array, state: Any, h: float, cables: Sequence[Mapping[str, Any]]
+    system: Any,
+    external: Array,
+    state: Any,
+    h: float,
+    cables: Iterable[Mapping[str, Any]],
+    learned: KeptState,
 ) -> None:
     """Set state.a as at the end of the step before, with other forces.
 
@@ -26,14 +32,14 @@ def accelerate_again(
 
     Args:
         system, external, state: see `integrators.rattle`.   h: of the next step [s].
-        cables: drift corrections and axial forces of each, see `cable.linked_cable.memory_of`; unchanged.
+        cables: drift corrections and axial forces of each, see `cable.linked_cable.memory_of`.
+        learned: keeps these, and what else the evaluation learns; afterwards they are what they were.
     """
-    kept = [(array, array.copy()) for memory in cables for array in memory.values()]
+    learned.keep()
     for memory in cables:
         for name in _RECORDS:
             if f"axial {name}" in memory:
                 memory[f"axial {name}"][:, 1] = memory[name]  # what is foreseen has been found already
     before = state.v - 0.5 * h * state.a
     accelerate_and_project(system, external, state.q, before, 0.5 * h, state.a, np.zeros_like(before))
-    for array, values in kept:
-        array[:] = values
+    learned.restore()

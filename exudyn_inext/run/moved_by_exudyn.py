@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array, Places
+from ..arrays import Array
 from ..compiled import plain
 from ..integrators.integrator import Integrator, LoadHistory, advance
 from ..integrators.rattle import Rattle
@@ -181,6 +181,6 @@ class MovedByExudyn(Mover):
         loads = self._loads._replace(factor=np.reshape(stages, (1, -1, 1)))
         self._advance(self._scheme, self._scene.system, loads, self._state, h, 1, self._output)
 
-    def complete(self, times: Array, rows: Places, steps: Array, history: Array, multipliers: Array) -> bool:
+    def complete(self, *_: Any) -> bool:
         """See `CableRun.complete`."""
         return False

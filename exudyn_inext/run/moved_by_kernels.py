@@ -259,7 +259,15 @@ class MovedByKernels(Mover):
         """(k, D) data of compiled contacts after the intervals of the last record."""
         return self._form.history[: self._recorded] if self._remembers else None
 
-    def complete(self, times: Array, rows: Places, steps: Array, history: Array, multipliers: Array) -> bool:
+    def complete(
+        self,
+        times: Array,
+        rows: Places,
+        steps: Array,
+        history: Array,
+        multipliers: Array,
+        of_supports: bool,
+    ) -> bool:
         """See `CableRun.complete`.   steps: (k,) before the states [s]."""
         of_record = self._of_contacts if self._recorded else None
         contacts = None if of_record is None else of_record[rows]
@@ -267,7 +275,10 @@ class MovedByKernels(Mover):
         of_joints, forces = self._form.evaluate(self.cables, times, steps, history, contacts)
         states = zip(of_joints, times.tolist(), history[:, 0], strict=True)
         multipliers[:] = [self._scene.native_items.multipliers(*state) for state in states]
-        self.put_reactions(times, steps, history[:, 0], history[:, 1], forces, multipliers)
+        if of_supports:
+            self.put_reactions(times, steps, history[:, 0], history[:, 1], forces, multipliers)
+        else:
+            self._joined = times, forces
         history[:, 0] -= self._scene.map.reference
         return True
 

@@ -162,21 +162,22 @@ class Mover:
     ) -> None:
         """Of the cables' own supports, into the multipliers (k, m) of all algebraic equations.
 
-        times, steps: (k,) of the states, and before them [s].   q, v: (k, n) of all parts.
+        times, steps: (k,) of the states, rising, and before them [s].   q, v: (k, n) of all parts.
         forces: (k, n) of items and joints.
         """
         self._joined = times, forces
         for run, dofs in zip(self._runs, self._scene.map.slices, strict=False):
             if run.has_reactions:
-                external = run.loads.at_times(times.tolist())
-                external[:, : dofs.stop - dofs.start] += forces[:, dofs]
-                run.put_reactions(external, q[:, dofs], v[:, dofs], steps, multipliers)
+                run.put_reactions(times, forces[:, dofs], q[:, dofs], v[:, dofs], steps, multipliers)
 
     def joined_forces(self, time: float) -> Array | None:
         """(n,) of items and joints in the state at `time` [s]; None: nobody has asked for its reactions."""
-        times, forces = self._joined or (np.zeros(0), np.zeros(0))
-        found = np.flatnonzero(np.abs(times - time) <= ROUND_OFF * max(abs(time), 1.0))
-        return forces[found[-1]] if len(found) and not self.approaches else None
+        if self._joined is None or self.approaches:
+            return None
+        times, forces = self._joined
+        last = int(times.searchsorted(time + ROUND_OFF * max(abs(time), 1.0))) - 1
+        is_there = last >= 0 and abs(times[last] - time) <= ROUND_OFF * max(abs(time), 1.0)
+        return forces[last] if is_there else None
 
 
 @contextmanager

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import wraps
 from threading import Lock
+from types import MappingProxyType
 from typing import Any
 
 import exudyn
@@ -38,15 +39,15 @@ class ChangeLog:
     is_followed: whether the run looks at changes between its steps; if not, they are refused.
     is_idle: whether no step is being taken, so that any call may be made.
     is_outdated: whether one was made then that no run can follow: it has to be built again.
-    sensors_of_forces: numbers of those that show accelerations or forces.
+    sensors_of_forces: numbers of those that show accelerations or forces, and whether those of supports.
     show_forces: gives mbs these in its state; called before such a sensor is asked for between steps.
     """
 
     is_followed = True
     is_idle = False
     is_outdated = False
-    sensors_of_forces: frozenset[int] = frozenset()
-    show_forces: Callable[[], None]
+    sensors_of_forces: Mapping[int, bool] = MappingProxyType({})
+    show_forces: Callable[[bool], None]
 
     def __init__(self, mbs: Any) -> None:
         self.mbs = mbs
@@ -240,9 +241,9 @@ def _after_forces() -> Callable[..., Any]:
     @wraps(original)
     def call(self: Any, *args: Any, **kwargs: Any) -> Any:
         number = int(args[0] if args else kwargs.get("sensorNumber", -1))
-        for log in _logs_of(self):
-            if number in log.sensors_of_forces:
-                log.show_forces()
+        for log in _LISTENING:
+            if log.mbs is self and number in log.sensors_of_forces:
+                log.show_forces(log.sensors_of_forces[number])
         return original(self, *args, **kwargs)
 
     return call
