@@ -211,9 +211,10 @@ class KnownNumbers:
         kind, number, name = item
         connectors, loads = memories[0].connectors, memories[0].loads
         if kind == "Object" and number in self._on_trees:
-            own_springs, own_loads, tree = self._on_trees[number]
-            tree.update(connectors[own_springs], loads[own_loads])
-            return name in ACTING
+            if can := name in ACTING:
+                own_springs, own_loads, tree = self._on_trees[number]
+                tree.read_again(name, connectors[own_springs], loads[own_loads])
+            return can
         if kind == "Object" and number in self._matrices:
             return name in OF_MATRICES and self._matrices_again(number, memories[0].linear_forces)
         if kind == "Object" and number in self._bodies:

@@ -75,7 +75,8 @@ class ActingOnTree:
         require_no_functions(data, name)
         if any(_stacked(data[forces]).any() for forces in _ON_LINKS):
             raise UnknownItemError(f"{name} with forces or torques on links")
-        self._reference = body["reference"][:size].copy()
+        self._reference, self._masses = body["reference"][:size].copy(), np.asarray(data["linkMasses"])
+        self._given = {name: data[name] for name in ACTING}
         joints = [reader.coordinate(int(data["nodeNumber"]), k).point for k in range(size)]
         centres = [reader.centre_of_link(number, k).point for k in range(size)]
         ground = reader.fixed(np.zeros(3), has_frame=False).point
@@ -83,19 +84,22 @@ class ActingOnTree:
         self.springs["kind"], self.springs["place"], self.springs["factors"] = CARTESIAN, -1, 1.0
         self.springs["points"][:, 0], self.springs["points"][:, 1] = ground, joints
         self.loads["function"], self.loads["point"] = NONE, [*joints, *centres]
-        self.update(self.springs, self.loads)
+        self._set(self.springs, self.loads)
 
-    def update(self, springs: Any, loads: Any) -> None:
-        """Give these records the parameters of mbs at present."""
-        data = self._mbs.GetObject(self._number)
-        none = np.zeros(len(springs))
+    def read_again(self, parameter: str, springs: Any, loads: Any) -> None:
+        """Give these records a parameter, one of ACTING, as it is now."""
+        self._given[parameter] = self._mbs.GetObjectParameter(self._number, parameter)
+        self._set(springs, loads)
+
+    def _set(self, springs: Any, loads: Any) -> None:
+        given, size = self._given, len(springs)
         stiffness, damping, force, place, speed = (
-            np.asarray(data[name]) if len(data[name]) else none for name in _ON_JOINTS
+            given[name] if len(given[name]) else np.zeros(size) for name in _ON_JOINTS
         )
         springs["stiffness"][:, 0, 0], springs["damping"][:, 0, 0] = stiffness, damping
-        on_joints, on_links = np.split(loads["constant"], 2)
-        on_joints[:, 0] = force + stiffness * (place - self._reference) + damping * speed
-        on_links[:] = np.outer(data["linkMasses"], data["gravity"])
+        constant = loads["constant"]
+        constant[:size, 0] = force + stiffness * (place - self._reference) + damping * speed
+        constant[size:] = self._masses[:, np.newaxis] * given["gravity"]
 
 
 def _stacked(parts: Any) -> Array:
