@@ -73,7 +73,8 @@ from .rows import move_rows
 from .sliding import move_sliders, place_sliders
 from .trees import move_trees, place_trees
 
-NOT_COUNTED, EACH, ALL_BUT_FIRST, SETTLING = range(4)  # evaluations whose work is counted
+NOT_COUNTED, EACH, ALL_BUT_FIRST = range(3)  # evaluations whose work is counted
+SETTLING, AS_PRESSED = 3, 4  # contact settles, or stays in the cables' matrices as it is
 MODE, EVALUATION = range(2)
 TURNED = 300.0  # angle in a run up to which all of a spin counts [rad]
 TRIALS = 4  # solves in one evaluation, until those contacts act that press
@@ -291,15 +292,16 @@ def scene_rates(system, external, q, v, acceleration, rate):
 @implements(accelerate_and_project, SceneSystem)
 def accelerate_and_project_scene(system, external, q, v, duration, acceleration, end_velocity):
     items, number = system.items, system.cable_dofs
-    predicted = items.predicted
+    predicted, is_pressed = items.predicted, items.counting[MODE] == AS_PRESSED
     for i in range(len(q)):
         predicted[i] = v[i] + duration * acceleration[i]
     act(items, external[len(system.cable_force) :], q, predicted, acceleration)
     for trial in range(TRIALS):
         _set_cable_force(system, external)
-        press(items.contacts, system.cables, trial > 0 and duration > 0.0)
+        if not is_pressed:
+            press(items.contacts, system.cables, trial > 0 and duration > 0.0)
         accelerate_cables(system.cables, system.cable_force, q, v, duration, acceleration, end_velocity)
-        is_last = trial == TRIALS - 1
+        is_last = is_pressed or trial == TRIALS - 1
         if is_last or not reconsider_contacts(items.contacts, items.points, acceleration, items.force):
             break
         for i in range(number if duration > 0.0 else 0):

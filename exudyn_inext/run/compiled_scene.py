@@ -22,6 +22,7 @@ from ..multibody.cables import Cables, cables_in_a_row, provide_cables
 from ..multibody.joints import Joints
 from ..multibody.scene import (
     ALL_BUT_FIRST,
+    AS_PRESSED,
     EACH,
     MODE,
     NOT_COUNTED,
@@ -48,6 +49,7 @@ from ..system import (
 )
 from .cable_loads import CableLoads
 from .coupled_watch import CoupledWatch
+from .kept_state import KeptState
 from .load_functions import LoadFunctions, StateFunctions
 from .moved_offsets import MovedOffsets
 from .step_control import Piece
@@ -245,6 +247,24 @@ class CompiledScene:
         self.accelerate(self.loads.at(t), q, v, 0.0, *np.zeros((2, len(q))))
         counting[MODE] = NOT_COUNTED
 
+    @contextmanager
+    def pressed_as_before(self) -> Iterator[None]:
+        """Leave contact in the cables' matrices as it is, or was read from a file, see `pressed`."""
+        counting = self.system.items.counting
+        counting[MODE] = AS_PRESSED
+        yield
+        counting[MODE] = NOT_COUNTED
+
+    @property
+    def pressed(self) -> dict[str, Array]:
+        """Contact in the matrices of cables, see `cable.contact_mass`, by names; in place."""
+        found: dict[str, Array] = {}
+        for k, system in enumerate(self._chains):
+            elements = system.chain.elements
+            if elements["contact"].size and self.dofs_in_implicit_contact.size:
+                found |= {f"{name} {k}": elements[name] for name in ("contact", "touches")}
+        return found
+
     def set_step(self, h: float) -> None:
         """Prepare implicit damping of contact and dashpots for steps of h [s]; 0: it is explicit."""
         records = self.contacts.records
@@ -290,6 +310,7 @@ class CompiledScene:
         """As `explicit_damping`."""
         records = self.contacts.records
         saved, is_implicit = records.copy(), records["implicit"]
+        pressed = KeptState(self.pressed)
         records["lag"] = 0.0
         for name in ("damping", "viscosity"):
             records[name][is_implicit] *= damping
@@ -298,6 +319,7 @@ class CompiledScene:
         finally:
             for name in ("lag", "damping", "viscosity"):
                 records[name] = saved[name]
+            pressed.restore()
 
     @property
     def dofs_in_implicit_contact(self) -> np.ndarray:

@@ -330,6 +330,7 @@ class CoupledRun(LimitedRun):
             "friction": self._scene.friction.sums,
             "tilts": self._scene.tilted_angles.tilts,
             "depths": self._depths,
+            "contacts": self.mover.contacts,
         }
 
     @cached_property
@@ -347,7 +348,7 @@ class CoupledRun(LimitedRun):
         return self.watch.stretches and any(map(remembers_axial_forces, self._corrections.values()))
 
     def resume(self, time: float) -> None:
-        """Go on at `time` [s] with the memory that has been set; data coordinates are those of mbs."""
+        """Go on at `time` [s] with the memory that has been set."""
         if self.control.present:
             self.set_step(self.control.present)
         self._scene.native_items.forget()

@@ -1,7 +1,7 @@
 """A coupled scene that compiled kernels move: many steps in one call, of which mbs knows nothing."""
 
 from collections.abc import Callable, Collection, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 import numpy as np
@@ -75,7 +75,9 @@ class MovedByKernels(Mover):
             super().begin_by(function, time)
         else:
             begin = self._beginnings.setdefault(function, Prepared(behind))
-            begin(self._form.called, self.external_at(time), self._state)
+            given, again = self.external_at(time), function is self._integrator.resume
+            with self._form.pressed_as_before() if again else nullcontext():
+                begin(self._form.called, given, self._state)
 
     def external_at(self, time: float) -> Array:
         loads = self._form.loads
@@ -143,6 +145,10 @@ class MovedByKernels(Mover):
     @property
     def places(self) -> dict[str, Array]:
         return self._form.places
+
+    @property
+    def contacts(self) -> dict[str, Array]:
+        return {"data": self.data, **self._form.pressed}
 
     def approach_joints(self, time: float, end: float) -> bool:
         self._end_of_step = end

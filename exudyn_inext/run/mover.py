@@ -140,6 +140,11 @@ class Mover:
         """Where what slides is looked for, and how offsets are set, by names; of compiled joints."""
         return {}
 
+    @property
+    def contacts(self) -> dict[str, Array]:
+        """What compiled contact remembers, and how it is in the matrices of the cables, by names."""
+        return {}
+
     def implicit_damping_left_out(self) -> AbstractContextManager[None]:
         """Contact of cables, and dashpots of springs, without what is implicit in them."""
         return nullcontext()

@@ -93,7 +93,7 @@ class PacedRun:
 
     def present_state(self) -> KeptState:
         """All that the next steps depend on, as it is now."""
-        return KeptState(self.memory() | {"contacts": self.data}, self.elsewhere)
+        return KeptState(self.memory(), self.elsewhere)
 
     def jump_of_places(self, time: float, end: float) -> float:
         """By how much supports or joints leave the present state from `time` to `end` [s] [m, -]."""

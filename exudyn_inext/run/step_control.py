@@ -9,7 +9,6 @@ present stability limit of the cable.
 import ctypes
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any, NamedTuple
 
@@ -51,8 +50,7 @@ class _Log(ctypes.Structure):
 _RECORD = np.dtype(_Log)  # found once: NumPy looks at each of the fields
 
 
-@dataclass(frozen=True)
-class StepRule:
+class StepRule(NamedTuple):
     """How long a step may be.
 
     limit: h w [-] up to which the scheme is stable.   safety: share of it that is used [-].
@@ -112,9 +110,13 @@ class FrequencyFollower:
         least: int = 1,
         most: int = 1,
     ) -> None:
-        self._rule = rule
+        self._rule = np.array(rule)
         self._frequency = frequency
         self.steps, self._least, self._most = steps, least, most
+
+    def memory(self) -> dict[str, Any]:
+        """The rule, of the state in which it was made."""
+        return {"rule": self._rule}
 
     def look_soon(self, log: Any) -> None:
         """As soon after the last look as if the frequency had changed."""
@@ -126,6 +128,7 @@ class FrequencyFollower:
 
         time: at present [s].   remaining: of the interval [s].
         """
+        limit, safety, largest = self._rule.tolist()
         if log.steps >= log.due:
             frequency = self._frequency(time)
             if not math.isfinite(frequency):
@@ -134,8 +137,8 @@ class FrequencyFollower:
             is_calm = abs(frequency - log.frequency) <= HARDLY * frequency
             log.pause = max(self._least, min(2 * log.pause, self._most) if is_calm else 0)
             log.frequency, log.due = frequency, log.steps + log.pause
-            log.allowed = self._rule.safety * self._rule.limit / max(frequency + growth, 1e-300)
-        step = min(log.allowed, self._rule.largest, remaining)
+            log.allowed = safety * limit / max(frequency + growth, 1e-300)
+        step = min(log.allowed, largest, remaining)
         log.first = log.first or step
         return step if step > SMALLEST * min(log.first, remaining) else 0.0
 
@@ -208,7 +211,7 @@ class StepControl:
 
     def memory(self) -> dict[str, Any]:
         """What the next steps depend on, to be kept or set."""
-        return {"log": self._memory}
+        return {"log": self._memory} | (self.follower.memory() if self.follower else {})
 
     def next(self, grid: TimeGrid, interval: int, most: int) -> Piece | None:
         """The next steps; None if they would have to be so small that the run must have diverged.

@@ -3,7 +3,7 @@
 import exudyn
 import numpy as np
 import pytest
-from exudyn.itemInterface import LoadForceVector, MarkerNodePosition, SphericalJoint
+from exudyn.itemInterface import Force, LoadForceVector, MarkerNodePosition, SphericalJoint
 
 from exudyn_inext import (
     DivergenceError,
@@ -176,15 +176,27 @@ def test_the_native_twin_moves_alike(run, new_mbs, add_sensor):
     np.testing.assert_allclose(ours, trajectory(mbs, sensor)[:, 1:], atol=6e-3)
 
 
-@pytest.mark.parametrize("scene", [pulled, driven])
-def test_a_run_goes_on_from_its_restart_file(new_mbs, add_sensor, solve, tmp_path, scene):
-    found = []
+def set_and_damped(mbs):
+    """By a dashpot that turns as the mass falls, and a force that a step function sets."""
+    body, node, marker = add_mass_on_cable(mbs)
+    ends = {"itemNumbers": [mbs.CreateGround(), body], "localPosition0": [1.2, 0, 0]}
+    mbs.CreateSpringDamper(**ends, referenceLength=0.2, stiffness=10.0, damping=1000.0)
+    load = mbs.AddLoad(Force(markerNumber=marker, loadVector=[0, 0, 0]))
+    mbs.SetPreStepUserFunction(lambda mbs, t: mbs.SetLoadParameter(load, "loadVector", [t, 0, 0]) or True)
+    return node
+
+
+@pytest.mark.parametrize(
+    ("scene", "integrator"), [(pulled, "RATTLE"), (driven, "RATTLE"), (set_and_damped, "RK4")]
+)
+def test_a_run_goes_on_from_its_restart_file(new_mbs, add_sensor, solve, tmp_path, scene, integrator):
+    found, explicit = [], {"adaptiveStep": True, "integrator": integrator}
     for end, restarts in ((0.4, False), (0.2, True), (0.4, True)):
         mbs = new_mbs()
         sensor = add_sensor(mbs, scene(mbs))
         mbs.Assemble()
         settings = quiet_settings(end, 1, 0.02)
-        solve(mbs, settings=restarting(settings, tmp_path) if restarts else settings, adaptiveStep=True)
+        solve(mbs, settings=restarting(settings, tmp_path) if restarts else settings, **explicit)
         found.append(trajectory(mbs, sensor))
     np.testing.assert_array_equal(found[2], found[0][-len(found[2]) :])
     assert len(found[2]) > 5

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import (
     CoordinateConstraint,
+    DistanceConstraint,
     Force,
     LoadMassProportional,
     MarkerBodyMass,
@@ -33,6 +34,7 @@ from exudyn_inext import (
 )
 from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import solve_native, trajectory
+from tests.exudyn_binding.test_restart import restarting, state
 from tests.items.attach.contact import (
     SEGMENTS,
     Circle,
@@ -211,6 +213,33 @@ def test_contact_that_is_damped_implicitly_is_the_same_scene_after_a_load_was_ch
         assert "Exudyn evaluates them" not in report["path"]
         turns.append(at_the_end(mbs, sensors)[0])
     assert turns[1] < 1.5 * turns[0] < 0.0
+
+
+def on_a_rod(build, touch):
+    """A cable that stretches and falls on a wheel that turns, one end on a rod: that joint is corrected."""
+    mbs, sensors = build(16, touch=touch, speed=5.0, extensible=True)
+    end = mbs.GetSensor(sensors[1])["nodeNumber"]
+    x, y = mbs.GetNodeParameter(end, "referenceCoordinates")[:2]
+    far = MarkerBodyPosition(bodyNumber=mbs.CreateGround(referencePosition=[x + 0.1, y, 0]))
+    ends = [mbs.AddMarker(marker) for marker in (far, MarkerNodePosition(nodeNumber=end))]
+    mbs.AddObject(DistanceConstraint(markerNumbers=ends, distance=0.1))
+    mbs.Assemble()
+    return mbs
+
+
+def in_general_contact(mbs, elements, circle, wheel):
+    add_general_contact(mbs, elements, circle, mbs.AddMarker(MarkerBodyRigid(bodyNumber=wheel)))
+
+
+@pytest.mark.parametrize(("touch", "step"), [(add_contact, 2e-5), (in_general_contact, 2.5e-4)])
+def test_a_run_goes_on_from_its_file_bit_for_bit_while_a_wheel_rubs(build, solve, tmp_path, touch, step):
+    """What presses the cable is in the matrix by which the next step corrects joints."""
+    whole, first, second = (on_a_rod(build, touch) for _ in range(3))
+    solve(whole, 0.016, stepSize=step)
+    for mbs, end in ((first, 0.012), (second, 0.016)):
+        report = solve(mbs, settings=restarting(quiet_settings(end, 1), tmp_path), stepSize=step)
+    assert report["resumedAt"] == 0.012
+    np.testing.assert_array_equal(state(second), state(whole))
 
 
 def pulling(load, force):
