@@ -21,11 +21,7 @@ BODY = record_type(
         ("translations", np.int64),  # coordinates: 1, 2 or 3; up to 7 of what does not turn
         ("rotations", np.int64),  # coordinates: 0, 1 (angle about z), 3 (angles x, y, z) or 4 (quaternion)
         ("reference", np.float64, (MOST,)),
-        (
-            "mass",
-            np.float64,
-            (MOST, MOST),
-        ),  # in the frame of the body; of what does not turn, of its coordinates
+        ("mass", np.float64, (MOST, MOST)),  # in its frame; of what does not turn, of its coordinates
         ("inverse", np.float64, (MOST, MOST)),  # of it, zero for directions in which it cannot move
         ("orientation", np.float64, (3, 3)),  # A
         ("rates", np.float64, (3, 4)),  # G

@@ -50,6 +50,15 @@ def dot(a, b):
 
 
 @inlined
+def swing(spin, rate, arm, i):
+    """Component i of w x (w x r) + w_t x r."""
+    j, k = (i + 1) % 3, (i + 2) % 3
+    along = spin[0] * arm[0] + spin[1] * arm[1] + spin[2] * arm[2]
+    square = spin[0] ** 2 + spin[1] ** 2 + spin[2] ** 2
+    return spin[i] * along - square * arm[i] + rate[j] * arm[k] - rate[k] * arm[j]
+
+
+@inlined
 def _place_on_body(point, body, q):
     turn, dim = body.orientation, body.translations
     for i in range(3):
@@ -88,12 +97,8 @@ def _move_on_body(point, body, v):
         x += turn[0, j] * point.local[j]
         y += turn[1, j] * point.local[j]
         z += turn[2, j] * point.local[j]
-    arm, spin, rate = (x, y, z), point.spin, point.spin_rate
-    along = spin[0] * x + spin[1] * y + spin[2] * z
-    square = spin[0] ** 2 + spin[1] ** 2 + spin[2] ** 2
     for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        point.x[2, i] = spin[i] * along - square * arm[i] + rate[j] * arm[k] - rate[k] * arm[j]
+        point.x[2, i] = swing(point.spin, point.spin_rate, (x, y, z), i)
 
 
 @inlined

@@ -26,7 +26,7 @@ from ..called_system import (
 from ..compiled import inlined, protocol
 from ..lowered import VECTOR
 from .bodies import MOST
-from .points import ON_LINK, cross
+from .points import ON_LINK, cross, swing
 
 LINK = record_type(
     [
@@ -198,14 +198,6 @@ def _place_links(links, bodies, q):
 
 
 @inlined
-def _swing(spin, rate, arm, i):
-    """Component i of w_t x r + w x (w x r)."""
-    along = spin[0] * arm[0] + spin[1] * arm[1] + spin[2] * arm[2]
-    square = spin[0] ** 2 + spin[1] ** 2 + spin[2] ** 2
-    return cross(rate, arm, i) + spin[i] * along - square * arm[i]
-
-
-@inlined
 def _move(link, links, v):
     """w, w_0 and a_0; the parent moves."""
     parent, speed = links[link.parent], v[link.first + link.own]
@@ -217,8 +209,8 @@ def _move(link, links, v):
         link.spin_rate[i] = parent.spin_rate[i] + turning * coriolis
         link.x[1, i] = parent.x[1, i] + 2.0 * sliding * coriolis
     for i in range(3):
-        link.x[1, i] += _swing(parent.spin, parent.spin_rate, link.arms[0], i)
-        link.x[1, i] += _swing(link.spin, link.spin_rate, link.arms[1], i)
+        link.x[1, i] += swing(parent.spin, parent.spin_rate, link.arms[0], i)
+        link.x[1, i] += swing(link.spin, link.spin_rate, link.arms[1], i)
 
 
 @inlined
@@ -285,19 +277,15 @@ def place_all_trees(trees, q):
 
 @inlined
 def _move_on_link(point, link, v):
-    turn, local = link.orientation, point.local
     for i in range(3):
         velocity = 0.0
         for k in range(point.width):
             velocity += point.along[i, k] * v[point.first + k]
         point.x[1, i], point.spin[i], point.spin_rate[i] = velocity, link.spin[i], link.spin_rate[i]
-    arm = (
-        turn[0, 0] * local[0] + turn[0, 1] * local[1] + turn[0, 2] * local[2],
-        turn[1, 0] * local[0] + turn[1, 1] * local[1] + turn[1, 2] * local[2],
-        turn[2, 0] * local[0] + turn[2, 1] * local[1] + turn[2, 2] * local[2],
-    )
+    at, centre = point.x[0], link.x[0]
+    arm = (at[0] - centre[0], at[1] - centre[1], at[2] - centre[2])
     for i in range(3):
-        point.x[2, i] = link.x[1, i] + _swing(link.spin, link.spin_rate, arm, i)
+        point.x[2, i] = link.x[1, i] + swing(link.spin, link.spin_rate, arm, i)
 
 
 @implements(move_trees, Trees)

@@ -309,6 +309,9 @@ class CompiledScene:
     def _explicit_contact(self, damping: float) -> Iterator[None]:
         """As `explicit_damping`."""
         records = self.contacts.records
+        if not len(records):
+            yield
+            return
         saved, is_implicit = records.copy(), records["implicit"]
         pressed = KeptState(self.pressed)
         records["lag"] = 0.0

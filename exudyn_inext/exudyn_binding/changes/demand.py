@@ -13,24 +13,15 @@ from ...cable.link import Motion
 from ...items.attach.inert import is_inert_cable
 from ...items.functions_of_time import is_driven
 from ...items.parameters import Parameter, markers_placed_by, objects_at
+from ...native.known.linear_forces import OF_MATRICES
+from ...native.known.trees import ACTING, ON_LINKS
 from ...run.coupled_run import CoupledRun, Run
 from ...scene.model import Scene
 
 _JACOBIAN = exudyn.ComputeItemType.ConstraintJacobian
 _PLACES = ("offset", "distance", "offsetUserFunctionParameters")
-_FORCES = {  # parameters of objects with mass that change their forces alone
-    "GenericODE2": ("stiffnessMatrix", "dampingMatrix", "forceVector"),
-    "KinematicTree": (
-        "gravity",
-        "jointForceVector",
-        "jointPositionOffsetVector",
-        "jointVelocityOffsetVector",
-        "jointPControlVector",
-        "jointDControlVector",
-        "linkForces",
-        "linkTorques",
-    ),
-}
+# parameters of objects with mass that change their forces alone
+_FORCES = {"GenericODE2": OF_MATRICES, "KinematicTree": ACTING | ON_LINKS}
 
 
 class Demand(IntEnum):

@@ -21,7 +21,7 @@ _ON_JOINTS = (
     "jointPositionOffsetVector",
     "jointVelocityOffsetVector",
 )
-_ON_LINKS = ("linkForces", "linkTorques")  # what Exudyn makes of them is not J^T f
+ON_LINKS = {"linkForces", "linkTorques"}  # what Exudyn makes of them is not J^T f
 ACTING = {*_ON_JOINTS, "gravity"}  # parameters that may change
 
 
@@ -73,7 +73,7 @@ class ActingOnTree:
         data = mbs.GetObject(number)
         name, size = described(data, number), len(data["linkMasses"])
         require_no_functions(data, name)
-        if any(_stacked(data[forces]).any() for forces in _ON_LINKS):
+        if any(_stacked(data[forces]).any() for forces in ON_LINKS):
             raise UnknownItemError(f"{name} with forces or torques on links")
         self._reference, self._masses = body["reference"][:size].copy(), np.asarray(data["linkMasses"])
         self._given = {name: data[name] for name in ACTING}
