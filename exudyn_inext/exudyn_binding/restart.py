@@ -84,6 +84,12 @@ class Restarts:
         return found
 
     @property
+    def _ramps(self) -> list[Any]:
+        """Of each run that is continued, see `PacedRun.ramp`."""
+        found: list[Any] = self.found.header["ramps"] if self.found else []
+        return found
+
+    @property
     def was_coupled(self) -> bool:
         """Whether the run that is continued moves cables together with other items; False without one."""
         return any(self._evaluated_by)
@@ -155,6 +161,7 @@ class Restarts:
             "dampsImplicitly": any(run.damps_implicitly for run in runs),
             "evaluatedBy": [run.evaluated_by for run in runs],
             "changes": self.changes_so_far(),
+            "ramps": [run.ramp for run in runs],
             "identity": self._identity,
             "meanwhile": meanwhile,
         }
@@ -169,6 +176,7 @@ class Restarts:
         for number, run in enumerate(runs):
             run.evaluate_by(self._evaluated_by[number])
             unpack(str(number), run.memory(), arrays)
+            run.take_ramp(self._ramps[number])
             run.resume(grid.time(grid.first))
 
     @property

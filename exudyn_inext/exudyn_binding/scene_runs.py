@@ -10,7 +10,7 @@ from ..cable.implicit_bending import ImplicitBending
 from ..cable.many_cables import cable_systems
 from ..checks import LARGEST
 from ..errors import InextensibleError, InputError, SceneError
-from ..items.functions_of_time import functions_at_rest, take_word
+from ..items.functions_of_time import functions_at_rest, step_functions, take_word
 from ..items.parameters import Parameter, markers_placed_by, objects_at
 from ..native.coupled_scene import CoupledScene
 from ..native.evaluated_scene import CoupledCable
@@ -86,10 +86,15 @@ class RunBuilder:
 
 
 def runs_of_cables(
-    mbs: Any, cables: Sequence[CableInScene], time: float, h: float, explicit: ExplicitSettings
+    mbs: Any,
+    cables: Sequence[CableInScene],
+    time: float,
+    h: float,
+    explicit: ExplicitSettings,
+    follows: bool = False,
 ) -> list[CableRun]:
-    """One run for each cable, from the initial configuration; arguments: see `runs_of_scene`."""
-    start, states = Start(time, h, explicit), initial_states(mbs, cables)
+    """One run for each cable, from the initial configuration; arguments: see `runs_of_scene` and `Start`."""
+    start, states = Start(time, h, explicit, follows), initial_states(mbs, cables)
     scaled = ImplicitBending((explicit.massScaling or 0.0) * h**2)
     systems = cable_systems([one.cable for one in cables], explicit.stabilizationRate, scaled)
     is_kept = len(cables) > 1 and are_kept(cables, systems, states)
@@ -127,7 +132,7 @@ def runs_of_scene(
             f"massScaling = {explicit.massScaling!r}: only inextensible cables have it; set it to zero."
         )
     if not needs_coupling(scene):
-        return runs_of_cables(mbs, scene.cables, time, h, explicit)
+        return runs_of_cables(mbs, scene.cables, time, h, explicit, bool(step_functions(mbs)))
     return coupled_runs(mbs, scene, time, h, explicit, end_of_step, moved)
 
 

@@ -225,6 +225,7 @@ def _solve(
         changes = ChangeFollower(mbs, scene, reader, log, builder, limit, sensors, moves)
         restarts.changes_so_far = changes.stored
         loop = ExplicitTimeLoop(mbs, runs, grid, restarts, observed_derivatives(*looking), changes)
+        log.set_pending()
         loop.output_times = OutputTimes(*looking, partial(look_of_item_functions, mbs), solver)
         log.sensors_of_forces = sensors_of_forces(sensors, scene.own_constraints)
         log.show_forces = loop.show_forces

@@ -123,10 +123,12 @@ class SteppingLoop(ExplicitTimeLoop):
         return take_step
 
     def _begin_portion(self) -> None:
-        """Take over the state, and then what has changed: forces jump where the first step begins.
+        """Take over the state, and then what has changed: what was set between portions jumps.
 
         A start anew does not look at what acted before it.
         """
+        log = self.changes.log
+        has_jumped, log.has_jumped = log.has_jumped and log.is_pending, False
         if self._begins:
             self._follow_changes()
             self._take_over_changes()
@@ -134,8 +136,7 @@ class SteppingLoop(ExplicitTimeLoop):
                 run.rehearse_start(self.grid, self._duration)
             return
         self._take_over_changes()
-        has_jumped = self.changes.log.is_pending
-        self._follow_changes()
+        self._follow_changes(has_jumped)
         if has_jumped:
             with state_kept(self.mbs):
                 for run in self.runs:

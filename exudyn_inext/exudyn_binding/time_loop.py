@@ -474,13 +474,16 @@ class ExplicitTimeLoop:
         """After the steps of the loop that have been handed out [s]."""
         return self.grid.time(self._taken)
 
-    def _follow_changes(self) -> None:
-        """A user function may have changed items since the last step: go on with what they are now."""
+    def _follow_changes(self, jumps: bool = False) -> None:
+        """A user function may have changed items since the last step: go on with what they are now.
+
+        jumps: see `ChangeFollower.follow`.
+        """
         if not self.changes.has_news(self.runs, self.time):
             return
         self._withdraw()
         try:
-            runs = self.changes.follow(self.runs, self.time, self.grid.time(self._computed + 1))
+            runs = self.changes.follow(self.runs, self.time, self.grid.time(self._computed + 1), jumps)
         except Exception:
             self._data.SetTime(self.time)
             raise

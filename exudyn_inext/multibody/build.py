@@ -12,6 +12,7 @@ from .build_nodes import Ends, ends_of_cables
 from .cables import Cables, provide_cables, provide_damping, show_matrix
 from .dashpots import rows_of_dashpots
 from .implicit_contacts import add_contact, mark_implicit
+from .ramps import ramps_of
 from .rows import ROW
 from .scene import Items, SceneSystem
 from .trees import trees_of
@@ -68,7 +69,8 @@ def build_scene(
     acting = known.connectors, known.linear_forces, known.loads, known.contacts
     trees = trees_of(known.links, known.bodies, known.points)
     records = known.bodies, known.links, trees, known.points, known.sliders, *acting
-    items = Items(*records, joints, force, given, predicted, path, np.zeros(2, np.int64))
+    ramps = ramps_of(known.connectors, known.linear_forces, known.loads)
+    items = Items(*records, ramps, joints, force, given, predicted, path, np.zeros(2, np.int64))
     number = places[-1].stop if places else 0
     ahead = np.repeat(cables.inputs[:-1] - cables.dofs[:-1], np.diff(cables.dofs))  # motions of those before
     return SceneSystem(cables, number, np.zeros(cables.inputs[-1]), np.arange(number) + ahead, items, zeta)

@@ -69,6 +69,7 @@ from .joints import (
 from .linear_forces import add_linear_forces
 from .loads import add_loads
 from .points import move_points, place_points
+from .ramps import Ramps, follow_ramps
 from .rows import move_rows
 from .sliding import move_sliders, place_sliders
 from .trees import move_trees, place_trees
@@ -84,7 +85,7 @@ class Items(NamedTuple):
     """All but the cables: records, and memory.
 
     bodies, links, points, connectors, linear_forces, loads: records.   trees: of links, called by address.
-    sliders, contacts, joints: see `Sliders`, `Contacts`, `Joints`.
+    sliders, contacts, ramps, joints: see `Sliders`, `Contacts`, `Ramps`, `Joints`.
     force: (n,) what connectors, contacts and loads do to all coordinates [N, Nm].
     given: (n,) what others do.   predicted: (n,) velocities at which they act.
     path: memory of their work, see `scene.path_work`.   counting: (2,) MODE and EVALUATION: in which
@@ -100,6 +101,7 @@ class Items(NamedTuple):
     linear_forces: Any
     loads: Any
     contacts: Any
+    ramps: Ramps
     joints: Joints
     force: Array
     given: Array
@@ -161,6 +163,7 @@ def act(items, functions, q, v, a):
     Where a step has one evaluation, at its end, contact settles there: what closes within a step acts in it.
     """
     _place(items, q, v)
+    follow_ramps(items.ramps, functions)
     for i in range(len(items.force)):
         items.force[i] = items.given[i]
     settles = items.counting[MODE] == EACH or items.counting[MODE] == SETTLING

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
+from ..items.functions_of_time import step_functions
 from ..multibody.build import build_scene, held_coordinates
 from ..multibody.scene import subtract_inertia_forces
 from ..run.compiled_scene import CompiledScene, SceneLoads, cables_of_scene
@@ -62,7 +63,8 @@ def compiled_form(
     of_loads = LoadFunctions(numbers.functions)
     if not all(function.is_pure for function in numbers.functions):
         of_loads = StateFunctions(numbers.functions, partial(_bring, scene, known.contacts))
-    acting = SceneLoads(loads, known.functions, numbers.moved, of_loads)
+    follows = has_forces and bool(step_functions(scene.mbs))
+    acting = SceneLoads(loads, known.functions, numbers.moved, of_loads, follows)
     native = scene.system
     still = held_coordinates([cable.system for cable in scene.cables])
     cables = cables_of_scene(scene.groups, loads)

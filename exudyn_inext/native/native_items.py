@@ -21,6 +21,7 @@ from .bodies import BodyMasses
 from .coordinates import CoordinateMap
 from .held import HeldCoordinates
 from .joint_rows import JointRows
+from .ramped_parameters import RampedParameters
 
 _CURRENT, _START_OF_STEP = exudyn.ConfigurationType.Current, exudyn.ConfigurationType.StartOfStep
 
@@ -32,6 +33,7 @@ class NativeItems:
     native_forces: (n,) what Exudyn's items did to all second order coordinates when last asked [N, Nm].
     varying_forces: (n,) the same, with the weights of cables that change in time.
     given: (n,) forces on all parts that others have set.
+    ramped: parameters that change along a line.
     approach: of joints (m,) that were changed before the present step of the time loop.
     path: memory of the work that they do from one evaluation to the next, see `build_path`; None: not now.
         Of several evaluations in a step, the first one is left out: RK4's second one lies beside it.
@@ -63,6 +65,7 @@ class NativeItems:
         self.blocks = rows.blocks
         self.approach = Steered(len(rows.names))
         self._mbs = mbs
+        self.ramped = RampedParameters(mbs)
         self._data = mbs.systemData
         self._solver = solver
         self._settings = exudyn.SimulationSettings()
@@ -359,6 +362,7 @@ class NativeItems:
 
     def set_state(self, t: float, q: Array, v: Array) -> None:
         """Bring mbs to the state (q, v) at t [s]."""
+        self.ramped.follow(t)
         self._set_positions(t, q)
         self._data.SetODE2Coordinates_t(self._coordinates.rates(v[: self._number]))
         if self._sizes[1]:

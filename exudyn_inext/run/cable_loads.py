@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from ..loads.nodal import NodalLoad, out_of_plane
 from ..loads.weight import ConstantWeights, ElementWeight
 from ..scene.model import CableInScene, CableLoad
 from .load_functions import Asked, LoadFunctions
+from .ramp import Ramp
 from .settings import SAY_OF_TIME
 from .step_control import Piece
 
@@ -28,10 +30,11 @@ class CableLoads:
     """External force of a cable, and motions of its links' anchors behind it, as functions of time.
 
     constant: (n_external,) [N, Nm].   pattern: (P, n_external), one row a component of a load history or
-    a motion.
+    a motion; if loads may `ramp`, the last one is what is missing of the constant at the start of a step.
+    follows: whether they may.
     """
 
-    def __init__(self, cable: CableInScene) -> None:
+    def __init__(self, cable: CableInScene, follows: bool = False) -> None:
         self._dimension = cable.cable.dimension
         self._item, self._name = cable.item, cable.name
         motions = motions_of(all_links(cable.cable))
@@ -50,6 +53,8 @@ class CableLoads:
         rows = [row for load in self._histories for row in self._patterns(load)]
         if self._motions:
             rows += self._motion_patterns(len(force), motions)
+        self._ramp = Ramp() if follows else None
+        rows += [np.zeros_like(self.constant)] * follows
         self.pattern = np.array(rows).reshape(len(rows), len(self.constant))
         self._time, self._varying = np.nan, self.constant  # what varies, at the time that was asked for last
 
@@ -76,6 +81,38 @@ class CableLoads:
             self._add_steady()
         return found
 
+    def ramp(self, values: Mapping[int, Array], time: float, end: float) -> set[int]:
+        """As `change`, along a line from `time` to `end` [s]."""
+        assert self._ramp
+        row = self.pattern[-1]
+        np.copyto(row, self.constant)
+        found = self.change(values)
+        np.subtract(row, self.constant, out=row)
+        self._ramp.begin(time, end)
+        self._time = np.nan
+        return found
+
+    @property
+    def kept_ramp(self) -> dict[str, list[Any]]:
+        """See `PacedRun.ramp`."""
+        return {"step": self._ramp.step, "missing": self.pattern[-1].tolist()} if self._ramp else {}
+
+    def take_ramp(self, kept: Mapping[str, Any]) -> None:
+        """See `PacedRun.take_ramp`."""
+        if self._ramp and kept:
+            self._ramp.begin(*kept["step"])
+            self.pattern[-1] = kept["missing"]
+
+    @property
+    def follows(self) -> bool:
+        """Whether loads may change along a line within a step."""
+        return self._ramp is not None
+
+    @property
+    def varies(self) -> bool:
+        """Whether forces or motions depend on the time by themselves."""
+        return bool(self._histories or self._motions)
+
     @property
     def has_histories(self) -> bool:
         """Whether forces depend on the time."""
@@ -95,7 +132,12 @@ class CableLoads:
             [(id(load.history and load.history.function), load.constant.tolist()) for load in one._histories]
             for one in (self, other)
         )
-        return own == others and np.array_equal(self.pattern, other.pattern)
+        return own == others and self.has_pattern_of(other)
+
+    def has_pattern_of(self, other: "CableLoads") -> bool:
+        """Whether the same histories and motions act as in other loads."""
+        own, others = (one.pattern[: len(one.pattern) - one.follows] for one in (self, other))
+        return np.array_equal(own, others)
 
     def take_constants(self, other: "CableLoads") -> None:
         """Have the values of other loads, which have the same functions; see `has_functions_of`."""
@@ -149,9 +191,11 @@ class CableLoads:
     def factors(self, times: list[float]) -> Array:
         """(T, P) of all load histories and motions."""
         columns = [self._of_motion(motion, times) for motion in self._motions]
-        if self._histories or not self._motions:
+        if self._histories or not (self._motions or self._ramp):
             columns.insert(0, self._functions.values(times))
             _require_none(self._out_of_plane, columns[0])
+        if self._ramp:
+            columns.append(self._ramp.missing(times)[:, np.newaxis])
         return np.concatenate(columns, axis=1) if len(columns) > 1 else columns[0]
 
     def _of_motion(self, motion: Motion, times: list[float]) -> Array:

@@ -1,7 +1,7 @@
 """One cable during a run: its compiled system, its state, and its place in the mbs."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import cached_property
@@ -56,12 +56,13 @@ class Start:
     """How a run starts.
 
     time: [s].   h: step that is likely, which scales the mass [s]; 0 without mass scaling.
-    explicit: settings.
+    explicit: settings.   follows: whether loads of cables may be set step by step.
     """
 
     time: float
     h: float
     explicit: ExplicitSettings
+    follows: bool = False
 
     @property
     def tolerance(self) -> float:
@@ -128,7 +129,7 @@ class CableRun(PacedRun):
         self._tracker = FrequencyTracker(self.system, cable.reference.shape)
         self._looked_after = 0  # steps, at the stability limit
         self._largest_share = 0.0  # of the stability limit, that the step has been
-        self.loads = CableLoads(scene_cable)
+        self.loads = CableLoads(scene_cable, start.follows)
         self.drag_rate = drag_rate(cable, self.loads.gravity_at(start.time), initial[1])
         self.state: Any = integrator.allocate(cable.reference.size, len(self.loads.constant))
         self.state.q[:], self.state.v[:] = (array.ravel() for array in initial)
@@ -382,6 +383,20 @@ class CableRun(PacedRun):
         self.require_independence()
         self.watch.open(self.called, self.loads.at(time), self.state)
 
+    @property
+    def ramp(self) -> dict[str, list[Any]]:
+        return self.loads.kept_ramp
+
+    def take_ramp(self, kept: Mapping[str, Any]) -> None:
+        self.loads.take_ramp(kept)
+
+    def ramp_loads(self, values: Mapping[int, Array], time: float, end: float) -> set[int]:
+        """Let constant loads get to these values along a line; see `CableLoads.ramp`."""
+        found = self.loads.ramp(values, time, end)
+        if found:
+            self.watch.count_ramp(self.loads, time, self.state)
+        return found
+
     def begin_again(self, time: float) -> None:
         """As `start`, with supports that have been looked at, and axial forces of earlier steps.
 
@@ -391,6 +406,8 @@ class CableRun(PacedRun):
             self.forget()
         self.start_scheme(time)
         self.watch.begin_again(self.called, self.loads.at(time), self.state)
+        if self.loads.follows:
+            self.watch.count_ramp(self.loads, time, self.state)
 
     def memory(self) -> dict[str, Any]:
         """Arrays that the next steps depend on, by names: to be kept, or set before `resume`."""

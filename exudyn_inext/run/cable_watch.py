@@ -8,7 +8,7 @@ from ..arrays import Array
 from ..cable.axial import SHORTEST
 from ..cable.cable import Cable
 from ..cable.links import all_links, motions_of
-from ..integrators.integrator import FACTOR
+from ..integrators.integrator import FACTOR, FIRST, PROJECTION
 from ..scene.model import CableInScene
 from ..system import report_energy
 from .cable_loads import CableLoads
@@ -84,6 +84,13 @@ class CableWatch(RunWatch):
         """Return to this state after steps that go wrong: it begins with other forces than the one before."""
         for kept, now in zip(self.watch.kept, state, strict=True):
             kept[:] = now
+
+    def count_ramp(self, loads: CableLoads, time: float, state: Any) -> None:
+        """Count the work of what is missing of loads from a state at `time` [s] on, see `CableLoads.ramp`."""
+        size, missing = len(state.q), loads.factors([time])[0, -1]
+        for work in self.watch.work, self.watch.kept_work:
+            work[-1, FIRST:] = 0, size - 1
+            work[-1, PROJECTION], work[-1, FACTOR] = loads.pattern[-1, :size] @ state.q, missing
 
     def _shorten_interval(self) -> bool:
         return bool(self.watch.account["ahead"][FAILED] > LEAST_STEPS)

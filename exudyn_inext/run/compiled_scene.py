@@ -1,8 +1,8 @@
 """A scene of which all items have compiled forms: many steps in one call."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise, starmap
 from typing import Any
 
@@ -20,6 +20,7 @@ from ..integrators.integrator import NO_WORK, LoadHistory
 from ..multibody.build import FunctionOfTime, copied, held_coordinates, with_dashpots
 from ..multibody.cables import Cables, cables_in_a_row, provide_cables
 from ..multibody.joints import Joints
+from ..multibody.ramps import Ramps, with_ramps
 from ..multibody.scene import (
     ALL_BUT_FIRST,
     AS_PRESSED,
@@ -52,6 +53,7 @@ from .coupled_watch import CoupledWatch
 from .kept_state import KeptState
 from .load_functions import LoadFunctions, StateFunctions
 from .moved_offsets import MovedOffsets
+from .ramp import Line, Ramp
 from .step_control import Piece
 
 FEW = 50  # states
@@ -66,6 +68,7 @@ class SceneLoads:
 
     functions: of joints.   moved: offsets of joints that are set between steps.
     of_loads: functions of loads on bodies and cables. Each has three values.
+    follows: whether numbers of springs and loads may change along a line; what is missing comes last.
     """
 
     def __init__(
@@ -74,7 +77,9 @@ class SceneLoads:
         functions: Sequence[FunctionOfTime],
         moved: MovedOffsets,
         of_loads: LoadFunctions,
+        follows: bool = False,
     ) -> None:
+        self.ramp = Ramp() if follows else None
         self._of_cables = loads
         self._loads = [of_cable for of_cable in loads if len(of_cable.pattern)]
         self._functions, self._moved, self._of_loads = functions, moved, of_loads
@@ -82,8 +87,8 @@ class SceneLoads:
         self._is_given = (np.arange(3) < of_loads.numbers[:, np.newaxis]).ravel()
         self._has_all = bool(len(self._is_given) and self._is_given.all())
         parts = [of_cable.constant for of_cable in loads]
-        self.constant: Array = np.concatenate([*parts, np.zeros(3 * number)])
-        rows = sum(len(of_cable.pattern) for of_cable in loads) + 3 * number
+        self.constant: Array = np.concatenate([*parts, np.zeros(3 * number + follows)])
+        rows = sum(len(of_cable.pattern) for of_cable in loads) + 3 * number + follows
         self.pattern = np.zeros((rows, len(self.constant)))
         row = column = 0
         for of_cable in loads:
@@ -93,8 +98,9 @@ class SceneLoads:
         np.fill_diagonal(self.pattern[row:, column:], 1.0)
         self._on_cables = slice(row), slice(column)  # of the pattern; each factor after it is an input
         self.of_state = of_loads if isinstance(of_loads, StateFunctions) else None
-        self._last = len(self.constant) - len(self._is_given)
-        self._only_moves = 3 * len(moved.joints) == len(self.pattern)
+        end = len(self.constant) - follows
+        self._last = slice(end - len(self._is_given), end)
+        self._only_moves = 3 * len(moved.joints) + follows == len(self.pattern)
 
     def take_constants(self) -> None:
         """Constant loads on cables, which have been changed."""
@@ -106,7 +112,7 @@ class SceneLoads:
         if self.of_state is None:
             return external
         followed = external.copy()
-        followed[self._last :][self._is_given] = self.of_state.look(q, v)
+        followed[self._last][self._is_given] = self.of_state.look(q, v)
         return followed
 
     def at(self, t: float) -> Array:
@@ -115,7 +121,9 @@ class SceneLoads:
         if not len(self.pattern):
             return external
         if self._only_moves:
-            external[self._on_cables[1].stop :] = self._moved.at(t).T.ravel()
+            external[self._on_cables[1].stop : self._last.stop] = self._moved.at(t).T.ravel()
+            if self.ramp:
+                external[-1] = self.ramp.missing([t])[0]
         else:
             (rows, columns), factors = self._on_cables, self.factors([t])[0]
             if rows.stop:
@@ -139,6 +147,8 @@ class SceneLoads:
             of_loads = np.zeros((len(times), len(self._is_given)))
             of_loads[:, self._is_given] = self._of_loads.values(times)
             columns.append(of_loads)
+        if self.ramp:
+            columns.append(self.ramp.missing(times)[:, np.newaxis])
         return np.concatenate(columns, axis=1) if len(columns) != 1 else columns[0]
 
     def _of_joints(self, times: list[float]) -> Array:
@@ -295,15 +305,16 @@ class CompiledScene:
     @contextmanager
     def explicit_damping(self, damping: float = 1.0) -> Iterator[None]:
         """Nothing of it is implicit; what is implicit otherwise counts with that share, 0 or 1."""
-        connectors, dashpots = self.system.items.connectors, self._dashpots
-        saved = connectors["damping"].copy(), dashpots["lag"].copy()
-        dashpots["lag"] = 0.0
+        connectors, dashpots, ramps = self.system.items.connectors, self._dashpots, self.system.items.ramps
+        saved, number = (connectors["damping"].copy(), dashpots["lag"].copy()), int(ramps.number[0])
+        dashpots["lag"], ramps.number[0] = 0.0, 0
         connectors["damping"][np.unique(dashpots["connector"])] *= damping
         try:
             with self._explicit_contact(damping):
                 yield
         finally:
             connectors["damping"], dashpots["lag"] = saved
+            ramps.number[0] = number
 
     @contextmanager
     def _explicit_contact(self, damping: float) -> Iterator[None]:
@@ -342,6 +353,45 @@ class CompiledScene:
         if item[0] == "Object" and self.can_move(item[1]):
             return True
         return bool(self.numbers.read_again(item, [system.items for system in self._systems]))
+
+    def take_values(self, changed: Sequence[ChangedItem], line: Line | None) -> bool:
+        """As `take_over`, of all these; what are numbers of springs and loads only, along a line if wanted.
+
+        line: that one; None: they jump.
+        """
+        ramps, ramp, rows = self.system.items.ramps, self.loads.ramp, set[Any]()
+        ramps.number[0] = 0
+        for item in changed if line and ramp else ():
+            rows.update(self.numbers.rows_of(item))
+        memories = [(kind, *own, ramps[kind][slice(*own)].copy()) for kind, own in sorted(rows)]
+        if not all(map(self.take_over, changed)):
+            return False
+        if memories and line and ramp:
+            ramp.begin(*line.step)
+            self._set_ramps(with_ramps(ramps, list(starmap(partial(_changes, ramps), memories))))
+        return True
+
+    @property
+    def ramp(self) -> dict[str, list[Any]]:
+        """See `PacedRun.ramp`."""
+        ramps, ramp = self.system.items.ramps, self.loads.ramp
+        numbers = [own[: ramps.number[0]].tolist() for own in ramps[-4:]]
+        return {"step": ramp.step, "numbers": numbers} if ramp and ramps.number[0] else {}
+
+    def take_ramp(self, kept: Mapping[str, Any]) -> None:
+        """See `PacedRun.take_ramp`."""
+        ramp, ramps = self.loads.ramp, self.system.items.ramps
+        if ramp and kept:
+            ramp.begin(*kept["step"])
+            found = [
+                (kind, [place], [x], [change])
+                for kind, place, x, change in zip(*kept["numbers"], strict=True)
+            ]
+            self._set_ramps(with_ramps(ramps, found))
+
+    def _set_ramps(self, ramps: Ramps) -> None:
+        if ramps is not self.system.items.ramps:
+            self._set(self.system._replace(items=self.system.items._replace(ramps=ramps)))
 
     def weigh(self) -> None:
         """Let masses that change be those of the configuration of mbs."""
@@ -513,6 +563,7 @@ class CompiledScene:
         own.functions[:] = self.system.cables.functions
         items, copies = self.system.items, copied(self.system.items)
         copies.contacts.records["lag"] = 0.0
+        copies.ramps.number[0] = 0
         copies.joints.drift_correction[:] = 0.0
         copies.joints.rows["lag"] = 0.0
         copies.bodies["drift_correction"] = 0.0
@@ -595,6 +646,13 @@ def _accelerate_compiled(scene: CompiledScene, *arguments: Any) -> None:
 @implements(index_reduced_rates, CompiledScene, compiled=lambda function: function)
 def _rates_of_compiled(scene: CompiledScene, external: Array, q: Array, v: Array, *others: Any) -> None:
     index_reduced_rates(scene.system, scene.loads.follow(external, q, v), q, v, *others)
+
+
+def _changes(ramps: Ramps, kind: int, first: int, end: int, before: Array) -> tuple[int, Any, Array, Array]:
+    """Which of these numbers have changed: kind; places, values, changes."""
+    now = ramps[kind][first:end]
+    own = np.flatnonzero(now.view(np.int64) != before.view(np.int64))
+    return kind, first + own, now[own], now[own] - before[own]
 
 
 def off_cable(name: str, beyond: float, at_start: bool) -> OffCableError:

@@ -24,6 +24,7 @@ from .jump import accelerate_again, remembers_axial_forces
 from .kept_state import KeptState
 from .moved_by_exudyn import MovedByExudyn
 from .moved_by_kernels import MovedByKernels
+from .ramp import Line
 from .redundancy import held_straight, with_straight_cables
 from .step_control import Piece, StepControl
 from .time_grid import TimeGrid
@@ -171,12 +172,26 @@ class CoupledRun(LimitedRun):
         if kept == EXUDYN and self._scene.parts_in_one:
             self._scene.leave_compiled_parts()
 
-    def take_over(self, changed: Sequence[ChangedItem], is_simple: bool, time: float) -> None:
+    @property
+    def ramp(self) -> dict[str, list[Any]]:
+        return self.mover.ramp
+
+    def take_ramp(self, kept: Mapping[str, Any]) -> None:
+        self.mover.take_ramp(kept)
+
+    def take_over(
+        self,
+        changed: Sequence[ChangedItem],
+        is_simple: bool,
+        time: float,
+        line: Line | None = None,
+    ) -> None:
         """Go on from the present state, at `time` [s], with items that were changed.
 
         is_simple: whether they are loads, springs, masses, and joints that are moved, only.
+        line: see `Mover.take_values`.
         """
-        if is_simple and self.mover.take_values(changed):
+        if is_simple and self.mover.take_values(changed, line):
             return
         if not self._by_kernels:
             if self._scene.parts_in_one:

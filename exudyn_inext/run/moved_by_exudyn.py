@@ -1,6 +1,6 @@
 """A coupled scene that Python moves, with forces, and what has no compiled form, from Exudyn."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from .coupled_start import consistent_start
 from .coupled_watch import CoupledWatch
 from .mover import FULFILLED, JUMP, Mover
 from .paced_run import PacedRun
+from .ramp import Line
 from .step_control import Piece
 from .time_grid import TimeGrid
 
@@ -105,12 +106,19 @@ class MovedByExudyn(Mover):
         parts = self._scene.parts_in_one
         return parts.form.numbers.can_weigh(item) if parts else self._scene.can_weigh(item)
 
-    def take_values(self, changed: Sequence[ChangedItem]) -> bool:
-        """Whether loads, springs and masses that were changed act now; otherwise some may."""
+    def take_values(self, changed: Sequence[ChangedItem], line: Line | None = None) -> bool:
         parts, masses = self._scene.parts_in_one, [key for key in changed if self.can_weigh(key)]
         if masses and not parts:
             self._scene.read_masses_again()
+        self._scene.native_items.ramped.begin(changed, line)
         return not parts or all(map(parts.form.take_over, masses))
+
+    @property
+    def ramp(self) -> dict[str, list[Any]]:
+        return dict(self._scene.native_items.ramped.kept)
+
+    def take_ramp(self, kept: Mapping[str, Any]) -> None:
+        self._scene.native_items.ramped.take(kept)
 
     def require_same_items(self, time: float) -> None:
         """Raise SceneError if Exudyn's items are not those that have moved the scene."""
@@ -168,6 +176,7 @@ class MovedByExudyn(Mover):
                     call()
         finally:
             native_items.path, native_items.settles = None, False
+            native_items.ramped.finish()
 
     @property
     def _step(self) -> Callable[[Sequence[float], float], None]:

@@ -1,6 +1,6 @@
 """A coupled scene that compiled kernels move: many steps in one call, of which mbs knows nothing."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
@@ -18,6 +18,7 @@ from .consistent_start import StartCorrection
 from .coupled_start import compiled_start, consistent_start
 from .coupled_watch import CoupledWatch
 from .mover import FULFILLED, JUMP, Mover
+from .ramp import Line
 from .redundancy import held_straight
 from .settings import SAY_OF_TIME
 from .step_control import Piece
@@ -177,8 +178,15 @@ class MovedByKernels(Mover):
     def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> set[int] | None:
         return self._form.numbers.joints_to_move(markers, objects)
 
-    def take_values(self, changed: Sequence[ChangedItem]) -> bool:
-        return all(map(self._form.take_over, changed))
+    def take_values(self, changed: Sequence[ChangedItem], line: Line | None = None) -> bool:
+        return self._form.take_values(changed, line)
+
+    @property
+    def ramp(self) -> dict[str, list[Any]]:
+        return self._form.ramp
+
+    def take_ramp(self, kept: Mapping[str, Any]) -> None:
+        self._form.take_ramp(kept)
 
     def take_constants(self) -> None:
         self._form.loads.take_constants()

@@ -1,6 +1,6 @@
 """What both ways to move a coupled scene share: by compiled kernels, or with evaluations of Exudyn."""
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from typing import Any
 
@@ -13,6 +13,7 @@ from ..integrators.integrator import Integrator
 from .cable_run import CableRun
 from .compiled_scene import ChangedItem
 from .joined_scene import EvaluatedScene
+from .ramp import Line
 from .step_control import ROUND_OFF
 
 FULFILLED = 1e-9  # violation of a joint [m, -] that needs no motion to be removed
@@ -83,6 +84,21 @@ class Mover:
     def has_jumped(self, time: float) -> bool:
         """Whether functions of the user have moved joints at once, before the step from `time` [s]."""
         return False
+
+    @property
+    def ramp(self) -> dict[str, list[Any]]:
+        """See `PacedRun.ramp`."""
+        return {}
+
+    def take_ramp(self, kept: Mapping[str, Any]) -> None:
+        """See `PacedRun.take_ramp`."""
+
+    def take_values(self, changed: Sequence[ChangedItem], line: Line | None = None) -> bool:
+        """Whether loads, springs and masses that were changed act now; otherwise some may.
+
+        line: along which loads and springs change in the next step of the loop; None: they jump.
+        """
+        raise NotImplementedError
 
     def can_weigh(self, item: ChangedItem) -> bool:
         """Whether a body may get that mass, inertia or centre of mass between steps."""

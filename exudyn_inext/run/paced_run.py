@@ -1,6 +1,7 @@
 """A run whose steps may go wrong: they are taken again, smaller, from the last good state."""
 
 import math
+from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -82,6 +83,14 @@ class PacedRun:
     def memory(self) -> dict[str, Any]:
         """Arrays that the next steps depend on, by names: to be kept, or set before `resume`."""
         raise NotImplementedError
+
+    @property
+    def ramp(self) -> dict[str, list[Any]]:
+        """Numbers that change along a line in the next step of the loop, as JSON has it; empty: none."""
+        return {}
+
+    def take_ramp(self, kept: Mapping[str, Any]) -> None:
+        """Let these numbers change so, before `resume`; see `ramp`."""
 
     @property
     def evaluated_by(self) -> str:

@@ -14,6 +14,7 @@ from ...run.cable_loads import CableLoads
 from ...run.cable_run import CableRun
 from ...run.consistent_start import agree
 from ...run.coupled_run import CoupledRun, Run
+from ...run.ramp import Line
 from ...run.settings import ExplicitSettings
 from ...scene.model import Scene
 from ..cable_forces import forget_evaluators, take_forces
@@ -52,6 +53,7 @@ class ChangeFollower:
         self.sensors = [data for data in self.sensors if data["sensorType"] == "UserFunction"]
         self._figures: dict[str, float] = {}
         self._jumped = False
+        self._line: Line | None = None  # along which values change in the next step
         self._demands: dict[Parameter, Demand] = {}  # of the present runs
 
     def take_step(self, explicit: ExplicitSettings, h: float) -> None:
@@ -81,8 +83,10 @@ class ChangeFollower:
         """Extremes of runs that others have taken over from; see `CableRun.figures`."""
         return self._figures
 
-    def follow(self, runs: Sequence[Run], time: float, end: float) -> Sequence[Run]:
+    def follow(self, runs: Sequence[Run], time: float, end: float, jumps: bool = False) -> Sequence[Run]:
         """The runs that go on from `time` to `end` [s], the next step of the time loop.
+
+        Values that are set step by step change along a line in it, unless they shall jump.
 
         Raises:
             SceneError: a run cannot follow a change.
@@ -90,6 +94,8 @@ class ChangeFollower:
         """
         changed, is_new = self.log.take(time, end)
         self.is_event = is_new or not changed
+        ramps = all(run.loads.follows for run in _alone(runs)) and not (self.is_event or jumps)
+        self._line = Line(time, end, self.log.before) if ramps else None
         for run in runs if changed else ():
             run.control.look_soon()
         self.limit.notice(self.mbs, changed, time, end)
@@ -148,21 +154,25 @@ class ChangeFollower:
         coupled = [run for run in runs if isinstance(run, CoupledRun)]
         if weights and not _weigh(coupled, weights):
             return False
-        if not all([run.mover.take_values(items) for run in coupled]):
+        if not all([run.mover.take_values(items, self._line_of(most)) for run in coupled]):
             return False
         for run in coupled if most == Demand.BEGIN else ():
             start_after_jump(run, run.begin_again, time)
         return True
 
+    def _line_of(self, asked: Demand) -> Line | None:
+        """See `Mover.take_values`; masses jump, and what changes with them."""
+        return None if asked == Demand.BEGIN else self._line
+
     def _load_at_once(self, runs: Sequence[CableRun], changed: Mapping[Parameter, Any], time: float) -> bool:
         """As `_act_at_once`, for constant forces on nodes, and weights, of cables among nothing else."""
-        if any(len(run.loads.pattern) for run in runs) or not all(map(_is_force, changed)):
+        if any(run.loads.varies for run in runs) or not all(map(_is_force, changed)):
             return False
-        loaded = _loaded(runs, changed)
+        loaded = _loaded(runs, changed, self._line)
         if loaded is None:
             return False
         take_forces(self.sensors, _components(changed))
-        for run in loaded:
+        for run in loaded if self._line is None else ():
             start_after_jump(run, run.start_scheme, time)
             run.watch.keep(run.state)
         return True
@@ -174,7 +184,8 @@ class ChangeFollower:
         alone, places = _alone(runs), {key: x for key, x in changed.items() if not _is_force(key)}
         if not alone or not changed or not self.reader.aims(places):
             return False
-        if _loaded(alone, {key: x for key, x in changed.items() if key not in places}) is None:
+        loads = {key: x for key, x in changed.items() if key not in places}
+        if _loaded(alone, loads, self._line) is None:
             return False
         forget_evaluators(self.sensors)
         _go_on(alone, time, end, has_changed=True)
@@ -191,13 +202,13 @@ class ChangeFollower:
         return self._demands[key]
 
     def _take_over(
-        self, runs: Sequence[Run], changed: Collection[Parameter], is_simple: bool, time: float
+        self, runs: Sequence[Run], changed: Collection[Parameter], asked: Demand, time: float
     ) -> None:
-        """Arguments: see `CoupledRun.take_over`; whoever evaluates a run then may demand something else."""
+        """See `CoupledRun.take_over`; whoever evaluates a run then may demand something else."""
         items, ways = self._acting(runs, changed), [run.evaluated_by for run in runs]
         for run in runs:
             if isinstance(run, CoupledRun):
-                run.take_over(items, is_simple, time)
+                run.take_over(items, asked <= Demand.WEIGH, time, self._line_of(asked))
         if ways != [run.evaluated_by for run in runs]:
             self._demands.clear()
 
@@ -208,7 +219,7 @@ class ChangeFollower:
         if changed:
             forget_evaluators(self.sensors)
             if asked < Demand.BUILD:
-                self._take_over(runs, changed, asked <= Demand.WEIGH, time)
+                self._take_over(runs, changed, asked, time)
         if asked < Demand.WEIGH:
             is_stiffer = self.limit.follow_stiffness(self.mbs, runs, changed, time)
             has_moved = self._jumped or asked == Demand.MOVE
@@ -242,10 +253,15 @@ def _is_force(key: Parameter) -> bool:
     return key.kind == "Load" and key.name in ("load", "loadVector")
 
 
-def _loaded(runs: Sequence[CableRun], changed: Mapping[Parameter, Any]) -> list[CableRun] | None:
-    """Runs that have taken the values of loads; None if some are no constant loads on these cables."""
+def _loaded(
+    runs: Sequence[CableRun], changed: Mapping[Parameter, Any], line: Line | None = None
+) -> list[CableRun] | None:
+    """Runs that have taken the values of loads; None if some are no constant loads on these cables.
+
+    line: along which they get to these; None: they jump.
+    """
     values = _components(changed)
-    taken = [(run, run.loads.change(values)) for run in runs]
+    taken = [(run, run.ramp_loads(values, *line.step) if line else run.loads.change(values)) for run in runs]
     is_complete = set[int]().union(*(found for _, found in taken)) == values.keys()
     return [run for run, found in taken if found] if is_complete else None
 
@@ -269,8 +285,8 @@ def _have_begun(runs: Sequence[Run]) -> bool:
 def _take_loads(runs: Sequence[Run], scene: Scene) -> bool:
     """Give the runs their present loads; False if one of them needs to be built again."""
     for run, cable in zip(_alone(runs), scene.cables, strict=False):
-        loads = CableLoads(cable)
-        if not np.array_equal(loads.pattern, run.loads.pattern):
+        loads = CableLoads(cable, run.loads.follows)
+        if not loads.has_pattern_of(run.loads):
             return False
         run.loads, run.scene_cable = loads, cable
     return all(run.take_weights(scene.cables) for run in runs if isinstance(run, CoupledRun))

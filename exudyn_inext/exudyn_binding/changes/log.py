@@ -35,9 +35,11 @@ class ChangeLog:
     """What has been changed in an mbs since its run began.
 
     changed: parameters that have been set to another value, and when the last one was taken [s].
+    before: values of what was taken last, before it was set.
     refusal: what was raised by the last call that a run cannot follow; that call was not made.
     is_followed: whether the run looks at changes between its steps; if not, they are refused.
     is_idle: whether no step is being taken, so that any call may be made.
+    has_jumped: whether something was set then, since somebody has reset this.
     is_outdated: whether one was made then that no run can follow: it has to be built again.
     sensors_of_forces: numbers of those that show accelerations or forces, and whether those of supports.
     show_forces: gives mbs these in its state; called before such a sensor is asked for between steps.
@@ -52,9 +54,12 @@ class ChangeLog:
     def __init__(self, mbs: Any) -> None:
         self.mbs = mbs
         self.changed: dict[Parameter, float] = {}
+        self.before: dict[Parameter, Any] = {}
         self.refusal: SceneError = SceneError("")
         self._known: dict[Parameter, Any] = {}  # values when the log was taken last
         self._set: dict[Parameter, Any] = {}  # present values of what has been set since then
+        self._waiting: dict[Parameter, Any] = {}  # values to be set, see `restore`
+        self.has_jumped = False
 
     @property
     def is_pending(self) -> bool:
@@ -76,6 +81,7 @@ class ChangeLog:
             self.refuse("other items were found than at the start", "initialise the solver again")
         if not self.mbs.systemIsConsistent:
             self.refuse("items were added, removed or modified", _REMEDY)
+        self.before = {key: self._known[key] for key in self._set}
         self._known |= self._set
         changed, self._set = self._set, {}
         is_new = any(self.changed.get(key, -math.inf) < time - 1.5 * (end - time) for key in changed)
@@ -85,15 +91,18 @@ class ChangeLog:
     def memory(self) -> dict[str, Any]:
         """Present values of what has been changed, and what of it is pending, as JSON has it."""
         pending = (key for key in self._set if not _is_same(self._known[key], key.value(self.mbs)))
+        known = [[*key, _as_data(self._known[key])] for key in sorted(pending)]
         return {
             "parameters": [
                 [*key, _as_data(key.value(self.mbs)), time] for key, time in sorted(self.changed.items())
             ],
-            "pending": sorted(map(list, pending)),
+            "pending": known,
         }
 
     def restore(self, memory: Mapping[str, Any]) -> None:
         """Set the parameters of mbs to what they were when a file was written.
+
+        What was pending is what it was before; `set_pending` sets it.
 
         Raises:
             InputError: a function had been replaced.
@@ -107,8 +116,18 @@ class ChangeLog:
                 )
             self.changed[key] = time
             key.set(self.mbs, value)
-        self._set = {Parameter(*names): None for names in memory["pending"]}
-        self._known = dict(self._set)
+        for *names, before in memory["pending"]:
+            key = Parameter(*names)
+            self._waiting[key] = key.value(self.mbs)
+            if before != _FUNCTION:
+                key.set(self.mbs, before)
+
+    def set_pending(self) -> None:
+        """Set what was pending when the file was written, as if it had just been changed."""
+        for key, value in self._waiting.items():
+            self._known[key], self._set[key] = key.value(self.mbs), value
+            key.set(self.mbs, value)
+        self._waiting = {}
 
     def note(self, method: str, given: Sequence[Any]) -> None:
         """A method of mbs is about to be called.
@@ -130,6 +149,7 @@ class ChangeLog:
             self._require_possible(key)
             self.changed[key] = -math.inf
         self._set[key] = value
+        self.has_jumped |= self.is_idle
 
     def _require_possible(self, key: Parameter) -> None:
         if key.name in _CONNECTIONS or (key.kind, key.name) == ("Node", "referenceCoordinates"):

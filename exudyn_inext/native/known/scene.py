@@ -16,6 +16,7 @@ from ...multibody.build import KnownItems
 from ...multibody.connectors import CONNECTOR
 from ...multibody.linear_forces import LINEAR_FORCE
 from ...multibody.loads import LOAD, NONE
+from ...multibody.ramps import CONNECTORS, LINEAR_FORCES, LOADS
 from ...multibody.scene import Items
 from ...run.compiled_scene import ChangedItem
 from ...run.load_functions import Asked
@@ -35,6 +36,7 @@ from .trees import ACTING, ActingOnTree, read_links
 from .unknown import UnknownItemError
 
 _WEIGHT = "MassProportional"  # load
+_FORCES = "load", "loadVector"
 
 
 def read_known_items(
@@ -230,6 +232,25 @@ class KnownNumbers:
             return False
         return is_known and self._reader.number_of_points == before
 
+    def rows_of(self, item: ChangedItem) -> list[tuple[int, tuple[int, int]]]:
+        """Kind, first and end of the numbers of records that follow a parameter, if nothing else does.
+
+        Numbers as `multibody.ramps` counts them.
+        """
+        kind, number, name = item
+        found: list[tuple[int, Any, slice]] = []
+        if kind == "Load" and name in _FORCES and number in self._forces:
+            found = [(LOADS, LOAD, _one(self._forces[number]))]
+        elif kind == "Object" and number in self._springs and name in VALUES:
+            found = [(CONNECTORS, CONNECTOR, _one(self._springs[number]))]
+        elif kind == "Object" and number in self._matrices and name in OF_MATRICES:
+            found = [(LINEAR_FORCES, LINEAR_FORCE, self._matrices[number])]
+        elif kind == "Object" and number in self._on_trees and name in ACTING:
+            springs, loads, _ = self._on_trees[number]
+            found = [(CONNECTORS, CONNECTOR, springs), (LOADS, LOAD, loads)]
+        sizes = [(kind, record.itemsize // 8, own) for kind, record, own in found]
+        return [(kind, (size * own.start, size * own.stop)) for kind, size, own in sizes]
+
     def _read_matrices(self, number: int) -> Any:
         return read_linear_forces(self._mbs, number, self._coordinates)
 
@@ -272,7 +293,7 @@ class KnownNumbers:
         place, known = self._forces[number]
         if loads["function"][place] != NONE:
             return False
-        if name in ("load", "loadVector"):
+        if name in _FORCES:
             value = np.atleast_1d(self._mbs.GetLoadParameter(number, name))
             loads["constant"][place, : len(value)] = known.scale * value
             return True
@@ -291,3 +312,8 @@ class KnownNumbers:
         known = read_connector(self._mbs.GetObject(number), number, self._reader)
         self._springs[number], connectors[place] = (place, known), known.record
         return True
+
+
+def _one(known: tuple[int, Any]) -> slice:
+    """The place of a record among all of them."""
+    return slice(known[0], known[0] + 1)

@@ -1,0 +1,69 @@
+"""Numbers of springs and loads that change along a line while steps are taken."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import Array
+from ..compiled import inlined
+
+CONNECTORS, LINEAR_FORCES, LOADS = range(3)
+
+
+class Ramps(NamedTuple):
+    """connectors, linear_forces, loads: all numbers of these records, in place.
+
+    number: (1,) of those that change.   kind, place: (K,) of which records, and where among them.
+    value, change: (K,) at the end, and until then.
+    """
+
+    connectors: Array
+    linear_forces: Array
+    loads: Array
+    number: np.ndarray
+    kind: np.ndarray
+    place: np.ndarray
+    value: Array
+    change: Array
+
+
+def ramps_of(connectors: Any, linear_forces: Any, loads: Any) -> Ramps:
+    """None yet, of these records."""
+    of_springs, of_matrices, of_loads = (own.view(np.float64) for own in (connectors, linear_forces, loads))
+    (kind, place), (value, change) = np.zeros((2, 0), np.int64), np.zeros((2, 0))
+    number = np.zeros(1, np.int64)
+    return Ramps(of_springs, of_matrices, of_loads, number, kind, place, value, change)
+
+
+def with_ramps(ramps: Ramps, found: Sequence[tuple[int, Any, Any, Any]]) -> Ramps:
+    """The same ones, or such with more memory, with these numbers.
+
+    found: kind; (k,) places, values, changes.
+    """
+    number = sum(len(places) for _, places, _, _ in found)
+    if number > len(ramps.kind):
+        (kind, place), (value, change) = np.zeros((2, 2 * number), np.int64), np.zeros((2, 2 * number))
+        ramps = ramps._replace(kind=kind, place=place, value=value, change=change)
+    first = 0
+    for records, *columns in found:
+        rows = slice(first, first + len(columns[0]))
+        ramps.kind[rows] = records
+        for memory, own in zip((ramps.place, ramps.value, ramps.change), columns, strict=True):
+            memory[rows] = own
+        first = rows.stop
+    ramps.number[0] = number
+    return ramps
+
+
+@inlined
+def follow_ramps(ramps, functions):
+    """Set all numbers that change.   functions: (F,) of time; the last one is the share that is missing."""
+    for k in range(ramps.number[0]):
+        value = ramps.value[k] - functions[len(functions) - 1] * ramps.change[k]
+        if ramps.kind[k] == CONNECTORS:
+            ramps.connectors[ramps.place[k]] = value
+        elif ramps.kind[k] == LINEAR_FORCES:
+            ramps.linear_forces[ramps.place[k]] = value
+        else:
+            ramps.loads[ramps.place[k]] = value

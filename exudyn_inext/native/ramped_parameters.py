@@ -1,0 +1,70 @@
+"""Parameters that change along a line within a step of the loop, where Exudyn evaluates them."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..items.parameters import Parameter
+from ..run.ramp import Line, Ramp
+
+
+class RampedParameters:
+    """Those of an mbs that are on their way to what step functions have set.
+
+    What is not made of real numbers jumps, as switches, numbers of markers and functions do.
+    """
+
+    def __init__(self, mbs: Any) -> None:
+        self._mbs, self._ramp = mbs, Ramp()
+        self._share = 0.0  # of the changes that mbs lacks
+        self._lines: list[tuple[Parameter, Array, Array]] = []  # with values at the end, and changes
+        self._before: list[list[Any]] = []
+
+    def begin(self, changed: Iterable[tuple[str, int, str]], line: Line | None) -> None:
+        """These parameters, which have been set in mbs, change along that line; None: they jump."""
+        self._lines, self._before, self._share = [], [], 0.0
+        if line is not None:
+            self._ramp.begin(*line.step)
+            for key in (Parameter(*item) for item in changed):
+                self._add(key, line.before.get(key))
+
+    def _add(self, key: Parameter, before: Any) -> None:
+        old, new = _numbers(before), _numbers(key.value(self._mbs))
+        if old is not None and new is not None and old.shape == new.shape:
+            self._lines.append((key, new, new - old))
+            self._before.append([*key, old.tolist()])
+
+    def follow(self, t: float) -> None:
+        """Let mbs have what they are at t [s]."""
+        if self._lines:
+            self._set(float(self._ramp.missing([t])[0]))
+
+    def finish(self) -> None:
+        """Let mbs have what has been set."""
+        self._set(0.0)
+
+    def _set(self, share: float) -> None:
+        if share == self._share:
+            return
+        self._share = share
+        for key, value, change in self._lines:
+            key.set(self._mbs, (value - share * change if share else value).tolist())
+
+    @property
+    def kept(self) -> dict[str, list[Any]]:
+        """See `PacedRun.ramp`."""
+        return {"step": self._ramp.step, "before": self._before} if self._lines else {}
+
+    def take(self, kept: Mapping[str, Any]) -> None:
+        """See `PacedRun.take_ramp`."""
+        before = {Parameter(*names): value for *names, value in kept.get("before", ())}
+        start, end = kept.get("step", (0.0, 0.0))
+        self.begin(before, Line(start, end, before))
+
+
+def _numbers(value: Any) -> Array | None:
+    """A real number, or an array of them."""
+    numbers = np.asarray(value) if isinstance(value, (float, list, np.ndarray)) else None
+    return numbers if numbers is not None and numbers.dtype == np.float64 else None

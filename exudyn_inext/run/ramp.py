@@ -1,0 +1,58 @@
+"""How values that are set between two steps of the loop act within the next one: along a line.
+
+Exudyn's implicit solvers take the mean of the forces at both ends of a step. So forces that functions of the
+user set step by step change along a line there, from those of the step before. Held through the step, they
+would be ahead by half of it.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import Array
+
+ROUND_OFF = 1e-9  # of a share
+
+
+class Line(NamedTuple):
+    """Along which parameters get to values that have been set.
+
+    start, end: of the step of the loop [s].   before: values there, by parameters.
+    """
+
+    start: float
+    end: float
+    before: Mapping[Any, Any]
+
+    @property
+    def step(self) -> tuple[float, float]:
+        """Its start and end [s]."""
+        return self.start, self.end
+
+
+class Ramp:
+    """The line from the values before a step of the loop to those that were set.
+
+    start, end: of the step [s]; beyond it, the new values act.
+    """
+
+    start = end = 0.0
+
+    def begin(self, start: float, end: float) -> None:
+        """The step from `start` to `end` [s] is the next one."""
+        self.start, self.end = start, end
+
+    @property
+    def step(self) -> list[float]:
+        """Its start and end [s]."""
+        return [self.start, self.end]
+
+    def missing(self, times: Sequence[float]) -> Array:
+        """(T,) share of the change that is missing at these times [s]: 1 at the start, 0 at the end."""
+        if not self.start < self.end:
+            return np.zeros(len(times))
+        shares = (self.end - np.asarray(times)) / (self.end - self.start)
+        shares[shares < ROUND_OFF] = 0.0
+        shares[shares > 1.0 - ROUND_OFF] = 1.0
+        return shares
