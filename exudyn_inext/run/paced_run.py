@@ -21,6 +21,7 @@ HIDING_PARTS = 16  # of the nominal step, from which on steps that go wrong are 
 LEAST_REHEARSED = 4  # intervals of the loop
 STEPS_OF_MOTION, FAST = (64, 256), 0.1  # that show how fast a motion begins; by step [rad]
 STEPS_REHEARSED = 1000  # at most, of a run that goes on portion by portion
+ONE_STEP = 1e-6  # relative difference of a step from an interval of the loop that is one
 LONGER = 4.0  # times the step, with which accelerations are compared
 SMALLEST_PARTS = 256  # and up to which all are, where no smaller ones for a while go well
 
@@ -83,6 +84,10 @@ class PacedRun:
     def memory(self) -> dict[str, Any]:
         """Arrays that the next steps depend on, by names: to be kept, or set before `resume`."""
         raise NotImplementedError
+
+    def takes_one_step(self, duration: float) -> bool:
+        """Whether so long an interval of the loop [s] is one step at present, evaluated at its end alone."""
+        return self.integrator.stages == (1.0,) and abs(self.control.present / duration - 1.0) < ONE_STEP
 
     @property
     def ramp(self) -> dict[str, list[Any]]:

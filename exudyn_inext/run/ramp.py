@@ -50,7 +50,7 @@ class Ramp:
 
     def missing(self, times: Sequence[float]) -> Array:
         """(T,) share of the change that is missing at these times [s]: 1 at the start, 0 at the end."""
-        if not self.start < self.end:
+        if not times[0] < self.end:
             return np.zeros(len(times))
         shares = (self.end - np.asarray(times)) / (self.end - self.start)
         shares[shares < ROUND_OFF] = 0.0

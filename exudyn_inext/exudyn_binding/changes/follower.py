@@ -53,7 +53,10 @@ class ChangeFollower:
         self.sensors = [data for data in self.sensors if data["sensorType"] == "UserFunction"]
         self._figures: dict[str, float] = {}
         self._jumped = False
-        self._line: Line | None = None  # along which values change in the next step
+        self._jumps = False  # whether values do in the next step
+        self._line: Line | None = (
+            None  # along which they change there, if it is not evaluated at its end only
+        )
         self._demands: dict[Parameter, Demand] = {}  # of the present runs
 
     def take_step(self, explicit: ExplicitSettings, h: float) -> None:
@@ -94,8 +97,10 @@ class ChangeFollower:
         """
         changed, is_new = self.log.take(time, end)
         self.is_event = is_new or not changed
-        ramps = all(run.loads.follows for run in _alone(runs)) and not (self.is_event or jumps)
-        self._line = Line(time, end, self.log.before) if ramps else None
+        may_ramp = all(run.loads.follows for run in _alone(runs))
+        self._jumps = self.is_event or jumps or not may_ramp
+        is_one_step = all(run.takes_one_step(end - time) for run in runs)
+        self._line = None if self._jumps or is_one_step else Line(time, end, self.log.before)
         for run in runs if changed else ():
             run.control.look_soon()
         self.limit.notice(self.mbs, changed, time, end)
@@ -172,7 +177,7 @@ class ChangeFollower:
         if loaded is None:
             return False
         take_forces(self.sensors, _components(changed))
-        for run in loaded if self._line is None else ():
+        for run in loaded if self._jumps else ():
             start_after_jump(run, run.start_scheme, time)
             run.watch.keep(run.state)
         return True
