@@ -1,7 +1,8 @@
 """A generalised force on a node: constant, or a function of time."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, ClassVar
 
 import numpy as np
@@ -63,6 +64,47 @@ class NodalLoad:
             if self.is_in_space(component, dim):
                 forces[component, nodes.index(self.node) * 2 * dim + coordinate] = 1.0
         return forces
+
+
+class ConstantForces:
+    """Constant loads on nodes of a cable, which may be set by their numbers."""
+
+    def __init__(self, cable: Cable, nodes: Sequence[int], loads: Sequence[NodalLoad]) -> None:
+        """nodes: numbers of the nodes of the cable.   loads: without functions."""
+        ends = np.cumsum([0, *(len(load.constant) for load in loads)]).tolist()
+        self._rows = {
+            load.number: (load, slice(*own)) for load, own in zip(loads, pairwise(ends), strict=True)
+        }
+        self._patterns = np.zeros((ends[-1], cable.reference.size))
+        self._values = np.zeros(ends[-1])
+        for load, (first, end) in zip(loads, pairwise(ends), strict=True):
+            self._patterns[first:end] = load.unit_forces(cable, nodes)
+            self._values[first:end] = load.constant
+        are_in_space = [
+            load.is_in_space(k, cable.dimension) for load in loads for k in range(len(load.constant))
+        ]
+        self._out_of_plane = np.flatnonzero(~np.array(are_in_space, dtype=bool))
+        self._owners = [load for load in loads for _ in load.constant]
+
+    def change(self, values: Mapping[int, Array]) -> set[int]:
+        """Set loads to (m,) as in the mbs, by their numbers; returns those that are forces on this cable."""
+        found = self._rows.keys() & values
+        for number in found:
+            load, own = self._rows[number]
+            self._values[own] = load.scale * values[number]
+        return found
+
+    @property
+    def force(self) -> Array:
+        """(n_dof,) generalised force [N, Nm].
+
+        Raises:
+            SceneError: a load has a component out of the plane of its cable.
+        """
+        for row in self._out_of_plane:
+            if self._values[row]:
+                raise out_of_plane(self._owners[row], self._values[row])
+        return self._values @ self._patterns
 
 
 def out_of_plane(load: Any, value: float) -> SceneError:

@@ -72,7 +72,8 @@ class ConstantWeights:
         """Set loads to (3,) [m/s^2], by their numbers; returns those that are weights of this cable."""
         found = self._rows.keys() & values
         for number in found:
-            self.__dict__.pop("gravity", None)
+            for name in ("gravity", "force"):
+                self.__dict__.pop(name, None)
             self._vectors[self._rows[number]] = values[number]
         return found
 
@@ -90,7 +91,7 @@ class ConstantWeights:
         np.add.at(result, self._elements, self._vectors[:, :dim])
         return result
 
-    @property
+    @cached_property
     def force(self) -> Array:
-        """(n_dof,) generalised force [N, Nm]; raises as `gravity`."""
+        """(n_dof,) generalised force [N, Nm], not to be written to; raises as `gravity`."""
         return gravity_force(self._cable, self.gravity).ravel()

@@ -1,7 +1,6 @@
 """The external force of one cable: gravity, constant forces, and sampled histories; and its motions."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,7 @@ from ..cable.links import all_links, motions_of
 from ..constraints.motion import jump_of_velocity
 from ..errors import SceneError
 from ..integrators.integrator import LoadHistory
-from ..loads.nodal import NodalLoad, out_of_plane
+from ..loads.nodal import ConstantForces, NodalLoad, out_of_plane
 from ..loads.weight import ConstantWeights, ElementWeight
 from ..scene.model import CableInScene, CableLoad
 from .load_functions import Asked, LoadFunctions
@@ -41,15 +40,14 @@ class CableLoads:
         steady = [load for load in cable.loads if load.history is None]
         weights = [load for load in steady if isinstance(load, ElementWeight)]
         self._weights = ConstantWeights(cable.cable, cable.item.gravity, weights)
-        force = self._weights.force
+        on_nodes = [load for load in steady if isinstance(load, NodalLoad)]
+        self._forces = ConstantForces(cable.cable, cable.item.nodes, on_nodes)
+        force = self._constant_force
         self.constant = np.concatenate([force, *(_at_rest(motion, self._dimension) for motion in motions)])
         self._motions = [motion for motion in motions if not motion.rests]
         self._histories = [load for load in cable.loads if load.history is not None]
         self._functions = LoadFunctions([_asked(load) for load in self._histories])
         self._out_of_plane = self._columns_out_of_plane(self._histories)
-        self._steady = [(load, self._patterns(load)) for load in steady if isinstance(load, NodalLoad)]
-        self._alone = self.constant.copy()  # without loads on nodes
-        self._add_steady()
         rows = [row for load in self._histories for row in self._patterns(load)]
         if self._motions:
             rows += self._motion_patterns(len(force), motions)
@@ -58,27 +56,20 @@ class CableLoads:
         self.pattern = np.array(rows).reshape(len(rows), len(self.constant))
         self._time, self._varying = np.nan, self.constant  # what varies, at the time that was asked for last
 
-    def _add_steady(self) -> None:
-        for load, patterns in self._steady:
-            for pattern, value in zip(patterns, self._components_at(load, 0.0), strict=True):
-                self.constant += value * pattern
+    @property
+    def _constant_force(self) -> Array:
+        """(n_dof,) without motions."""
+        return self._weights.force + self._forces.force
 
     def change(self, values: Mapping[int, Array]) -> set[int]:
         """Give constant loads other components; returns which of them act on this cable.
 
         values: (m,) as they are set [N, Nm; of a weight m/s^2], by numbers of loads in the mbs.
         """
-        found = self._weights.change(values)
+        found = self._weights.change(values) | self._forces.change(values)
         if found:
-            force = self._weights.force
-            self._alone[: len(force)] = force
-        for place, (load, patterns) in enumerate(self._steady):
-            if load.number in values:
-                self._steady[place] = replace(load, constant=load.scale * values[load.number]), patterns
-                found.add(load.number)
-        if found:
-            self.constant[:] = self._alone
-            self._add_steady()
+            force = self._constant_force
+            self.constant[: len(force)] = force
         return found
 
     def ramp(self, values: Mapping[int, Array], time: float, end: float) -> set[int]:
@@ -141,8 +132,8 @@ class CableLoads:
 
     def take_constants(self, other: "CableLoads") -> None:
         """Have the values of other loads, which have the same functions; see `has_functions_of`."""
-        self._weights, self._steady = other._weights, other._steady
-        self._alone[:], self.constant[:] = other._alone, other.constant
+        self._weights, self._forces = other._weights, other._forces
+        self.constant[:] = other.constant
 
     @property
     def known_ahead(self) -> bool:
@@ -183,7 +174,7 @@ class CableLoads:
     def sample(self, piece: Piece, stages: Sequence[float]) -> LoadHistory:
         """Load history of a piece, at the stages of a scheme."""
         shape = (piece.steps, len(stages), len(self.pattern))
-        if not len(self.pattern):
+        if not (self.varies or (self._ramp and piece.time() < self._ramp.end)):
             return LoadHistory(self.constant, self.pattern, np.zeros(shape))
         times = piece.times(stages).ravel().tolist()
         return LoadHistory(self.constant, self.pattern, self.factors(times).reshape(shape))
@@ -220,10 +211,8 @@ class CableLoads:
         return max((float(np.linalg.norm(way)) for way in ways), default=0.0)
 
     def _components_at(self, load: CableLoad, time: float) -> Array:
-        """(m,) components of a load."""
-        values = load.constant[np.newaxis]
-        if load.history is not None:
-            values = LoadFunctions([_asked(load)]).values([time])
+        """(m,) components of a load with a history."""
+        values = LoadFunctions([_asked(load)]).values([time])
         _require_none(self._columns_out_of_plane([load]), values)
         components: Array = values[0]
         return components

@@ -173,10 +173,11 @@ class ChangeFollower:
         """As `_act_at_once`, for constant forces on nodes, and weights, of cables among nothing else."""
         if any(run.loads.varies for run in runs) or not all(map(_is_force, changed)):
             return False
-        loaded = _loaded(runs, changed, self._line)
+        values = _components(changed)
+        loaded = _loaded(runs, values, self._line)
         if loaded is None:
             return False
-        take_forces(self.sensors, _components(changed))
+        take_forces(self.sensors, values)
         for run in loaded if self._jumps else ():
             start_after_jump(run, run.start_scheme, time)
             run.watch.keep(run.state)
@@ -189,7 +190,7 @@ class ChangeFollower:
         alone, places = _alone(runs), {key: x for key, x in changed.items() if not _is_force(key)}
         if not alone or not changed or not self.reader.aims(places):
             return False
-        loads = {key: x for key, x in changed.items() if key not in places}
+        loads = _components({key: x for key, x in changed.items() if key not in places})
         if _loaded(alone, loads, self._line) is None:
             return False
         forget_evaluators(self.sensors)
@@ -259,13 +260,12 @@ def _is_force(key: Parameter) -> bool:
 
 
 def _loaded(
-    runs: Sequence[CableRun], changed: Mapping[Parameter, Any], line: Line | None = None
+    runs: Sequence[CableRun], values: Mapping[int, Array], line: Line | None
 ) -> list[CableRun] | None:
-    """Runs that have taken the values of loads; None if some are no constant loads on these cables.
+    """Runs that have taken these values of loads; None if some are no constant loads on these cables.
 
-    line: along which they get to these; None: they jump.
+    values: see `_components`.   line: along which loads get to these; None: they jump.
     """
-    values = _components(changed)
     taken = [(run, run.ramp_loads(values, *line.step) if line else run.loads.change(values)) for run in runs]
     is_complete = set[int]().union(*(found for _, found in taken)) == values.keys()
     return [run for run, found in taken if found] if is_complete else None
