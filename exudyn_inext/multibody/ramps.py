@@ -15,7 +15,7 @@ class Ramps(NamedTuple):
     """connectors, linear_forces, loads: all numbers of these records, in place.
 
     number: (1,) of those that change.   kind, place: (K,) of which records, and where among them.
-    value, change: (K,) at the end, and until then.
+    before, value: (K,) at the start, and at the end.
     """
 
     connectors: Array
@@ -24,32 +24,32 @@ class Ramps(NamedTuple):
     number: np.ndarray
     kind: np.ndarray
     place: np.ndarray
+    before: Array
     value: Array
-    change: Array
 
 
 def ramps_of(connectors: Any, linear_forces: Any, loads: Any) -> Ramps:
     """None yet, of these records."""
     of_springs, of_matrices, of_loads = (own.view(np.float64) for own in (connectors, linear_forces, loads))
-    (kind, place), (value, change) = np.zeros((2, 0), np.int64), np.zeros((2, 0))
+    (kind, place), (before, value) = np.zeros((2, 0), np.int64), np.zeros((2, 0))
     number = np.zeros(1, np.int64)
-    return Ramps(of_springs, of_matrices, of_loads, number, kind, place, value, change)
+    return Ramps(of_springs, of_matrices, of_loads, number, kind, place, before, value)
 
 
 def with_ramps(ramps: Ramps, found: Sequence[tuple[int, Any, Any, Any]]) -> Ramps:
     """The same ones, or such with more memory, with these numbers.
 
-    found: kind; (k,) places, values, changes.
+    found: kind; (k,) places, values before, values.
     """
     number = sum(len(places) for _, places, _, _ in found)
     if number > len(ramps.kind):
-        (kind, place), (value, change) = np.zeros((2, 2 * number), np.int64), np.zeros((2, 2 * number))
-        ramps = ramps._replace(kind=kind, place=place, value=value, change=change)
+        (kind, place), (before, value) = np.zeros((2, 2 * number), np.int64), np.zeros((2, 2 * number))
+        ramps = ramps._replace(kind=kind, place=place, before=before, value=value)
     first = 0
     for records, *columns in found:
         rows = slice(first, first + len(columns[0]))
         ramps.kind[rows] = records
-        for memory, own in zip((ramps.place, ramps.value, ramps.change), columns, strict=True):
+        for memory, own in zip((ramps.place, ramps.before, ramps.value), columns, strict=True):
             memory[rows] = own
         first = rows.stop
     ramps.number[0] = number
@@ -60,7 +60,8 @@ def with_ramps(ramps: Ramps, found: Sequence[tuple[int, Any, Any, Any]]) -> Ramp
 def follow_ramps(ramps, functions):
     """Set all numbers that change.   functions: (F,) of time; the last one is the share that is missing."""
     for k in range(ramps.number[0]):
-        value = ramps.value[k] - functions[len(functions) - 1] * ramps.change[k]
+        missing = functions[len(functions) - 1]
+        value = missing * ramps.before[k] + (1.0 - missing) * ramps.value[k]
         if ramps.kind[k] == CONNECTORS:
             ramps.connectors[ramps.place[k]] = value
         elif ramps.kind[k] == LINEAR_FORCES:

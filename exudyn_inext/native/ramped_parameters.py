@@ -19,12 +19,11 @@ class RampedParameters:
     def __init__(self, mbs: Any) -> None:
         self._mbs, self._ramp = mbs, Ramp()
         self._share = 0.0  # of the changes that mbs lacks
-        self._lines: list[tuple[Parameter, Array, Array]] = []  # with values at the end, and changes
-        self._before: list[list[Any]] = []
+        self._lines: list[tuple[Parameter, Array, Array]] = []  # with values before, and at the end
 
     def begin(self, changed: Iterable[tuple[str, int, str]], line: Line | None) -> None:
         """These parameters, which have been set in mbs, change along that line; None: they jump."""
-        self._lines, self._before, self._share = [], [], 0.0
+        self._lines, self._share = [], 0.0
         if line is not None:
             self._ramp.begin(*line.step)
             for key in (Parameter(*item) for item in changed):
@@ -33,8 +32,7 @@ class RampedParameters:
     def _add(self, key: Parameter, before: Any) -> None:
         old, new = _numbers(before), _numbers(key.value(self._mbs))
         if old is not None and new is not None and old.shape == new.shape:
-            self._lines.append((key, new, new - old))
-            self._before.append([*key, old.tolist()])
+            self._lines.append((key, old, new))
 
     def follow(self, t: float) -> None:
         """Let mbs have what they are at t [s]."""
@@ -49,13 +47,14 @@ class RampedParameters:
         if share == self._share:
             return
         self._share = share
-        for key, value, change in self._lines:
-            key.set(self._mbs, (value - share * change if share else value).tolist())
+        for key, before, value in self._lines:
+            key.set(self._mbs, (share * before + (1.0 - share) * value).tolist())
 
     @property
     def kept(self) -> dict[str, list[Any]]:
         """See `PacedRun.ramp`."""
-        return {"step": self._ramp.step, "before": self._before} if self._lines else {}
+        before = [[*key, old.tolist()] for key, old, _ in self._lines]
+        return {"step": self._ramp.step, "before": before} if before else {}
 
     def take(self, kept: Mapping[str, Any]) -> None:
         """See `PacedRun.take_ramp`."""

@@ -383,10 +383,8 @@ class CompiledScene:
         ramp, ramps = self.loads.ramp, self.system.items.ramps
         if ramp and kept:
             ramp.begin(*kept["step"])
-            found = [
-                (kind, [place], [x], [change])
-                for kind, place, x, change in zip(*kept["numbers"], strict=True)
-            ]
+            numbers = zip(*kept["numbers"], strict=True)
+            found = [(kind, [place], [before], [value]) for kind, place, before, value in numbers]
             self._set_ramps(with_ramps(ramps, found))
 
     def _set_ramps(self, ramps: Ramps) -> None:
@@ -649,10 +647,10 @@ def _rates_of_compiled(scene: CompiledScene, external: Array, q: Array, v: Array
 
 
 def _changes(ramps: Ramps, kind: int, first: int, end: int, before: Array) -> tuple[int, Any, Array, Array]:
-    """Which of these numbers have changed: kind; places, values, changes."""
+    """Which of these numbers have changed: kind; places, values before, values."""
     now = ramps[kind][first:end]
     own = np.flatnonzero(now.view(np.int64) != before.view(np.int64))
-    return kind, first + own, now[own], now[own] - before[own]
+    return kind, first + own, before[own], now[own]
 
 
 def off_cable(name: str, beyond: float, at_start: bool) -> OffCableError:
