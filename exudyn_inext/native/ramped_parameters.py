@@ -7,7 +7,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..items.parameters import Parameter
-from ..run.ramp import Line, Ramp
+from ..run.ramp import NO_STEP, Line, Ramp
 
 
 class RampedParameters:
@@ -59,7 +59,7 @@ class RampedParameters:
     def take(self, kept: Mapping[str, Any]) -> None:
         """See `PacedRun.take_ramp`."""
         before = {Parameter(*names): value for *names, value in kept.get("before", ())}
-        start, end = kept.get("step", (0.0, 0.0))
+        start, end = kept.get("step", NO_STEP)
         self.begin(before, Line(start, end, before))
 
 

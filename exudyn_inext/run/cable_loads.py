@@ -15,7 +15,7 @@ from ..loads.nodal import ConstantForces, NodalLoad, out_of_plane
 from ..loads.weight import ConstantWeights, ElementWeight
 from ..scene.model import CableInScene, CableLoad
 from .load_functions import Asked, LoadFunctions
-from .ramp import Ramp
+from .ramp import NO_STEP, Ramp
 from .settings import SAY_OF_TIME
 from .step_control import Piece
 
@@ -90,9 +90,9 @@ class CableLoads:
 
     def take_ramp(self, kept: Mapping[str, Any]) -> None:
         """See `PacedRun.take_ramp`."""
-        if self._ramp and kept:
-            self._ramp.begin(*kept["step"])
-            self.pattern[-1] = kept["missing"]
+        if self._ramp:
+            self._ramp.begin(*kept.get("step", NO_STEP))
+            self.pattern[-1] = kept.get("missing", 0.0)
 
     @property
     def follows(self) -> bool:

@@ -378,6 +378,7 @@ class CableRun(PacedRun):
             RedundantConstraintError: length constraints and supports depend on each other.
         """
         self.forget()
+        self.take_ramp({})
         self.state.a.fill(0.0)
         self.start_scheme(time)
         self.require_independence()

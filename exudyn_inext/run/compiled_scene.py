@@ -53,7 +53,7 @@ from .coupled_watch import CoupledWatch
 from .kept_state import KeptState
 from .load_functions import LoadFunctions, StateFunctions
 from .moved_offsets import MovedOffsets
-from .ramp import Line, Ramp
+from .ramp import NO_STEP, Line, Ramp
 from .step_control import Piece
 
 FEW = 50  # states
@@ -381,9 +381,9 @@ class CompiledScene:
     def take_ramp(self, kept: Mapping[str, Any]) -> None:
         """See `PacedRun.take_ramp`."""
         ramp, ramps = self.loads.ramp, self.system.items.ramps
-        if ramp and kept:
-            ramp.begin(*kept["step"])
-            numbers = zip(*kept["numbers"], strict=True)
+        if ramp:
+            ramp.begin(*kept.get("step", NO_STEP))
+            numbers = zip(*kept.get("numbers", ()), strict=True)
             found = [(kind, [place], [before], [value]) for kind, place, before, value in numbers]
             self._set_ramps(with_ramps(ramps, found))
 

@@ -30,6 +30,7 @@ from .step_control import Piece, StepControl
 from .time_grid import TimeGrid
 
 KERNELS, PARTS, EXUDYN = "kernels", "kernels of parts", "Exudyn"  # see `CoupledRun.evaluated_by`
+ONE_STEP = 1e-6  # relative difference of a step from an interval of the loop that is one
 SHORTER = 64.0  # step that is advised where contact throws bodies off
 CHANGED = "items that were changed during the run"
 
@@ -172,6 +173,10 @@ class CoupledRun(LimitedRun):
         if kept == EXUDYN and self._scene.parts_in_one:
             self._scene.leave_compiled_parts()
 
+    def has_mean_forces(self, duration: float) -> bool:
+        """As it is one step, which takes the mean of the forces at both ends, and counts their work so."""
+        return self.integrator.stages == (1.0,) and abs(self.control.present / duration - 1.0) < ONE_STEP
+
     @property
     def ramp(self) -> dict[str, list[Any]]:
         return self.mover.ramp
@@ -310,6 +315,7 @@ class CoupledRun(LimitedRun):
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; see `CableRun.start`."""
         self.forget()
+        self.take_ramp({})
         self.state.a.fill(0.0)
         self.mover.settle(time)
         self.start_scheme(time)

@@ -21,7 +21,6 @@ HIDING_PARTS = 16  # of the nominal step, from which on steps that go wrong are 
 LEAST_REHEARSED = 4  # intervals of the loop
 STEPS_OF_MOTION, FAST = (64, 256), 0.1  # that show how fast a motion begins; by step [rad]
 STEPS_REHEARSED = 1000  # at most, of a run that goes on portion by portion
-ONE_STEP = 1e-6  # relative difference of a step from an interval of the loop that is one
 LONGER = 4.0  # times the step, with which accelerations are compared
 SMALLEST_PARTS = 256  # and up to which all are, where no smaller ones for a while go well
 
@@ -85,9 +84,9 @@ class PacedRun:
         """Arrays that the next steps depend on, by names: to be kept, or set before `resume`."""
         raise NotImplementedError
 
-    def takes_one_step(self, duration: float) -> bool:
-        """Whether so long an interval of the loop [s] is one step at present, evaluated at its end alone."""
-        return self.integrator.stages == (1.0,) and abs(self.control.present / duration - 1.0) < ONE_STEP
+    def has_mean_forces(self, duration: float) -> bool:
+        """Whether what is set before so long an interval of the loop [s] acts on average, without a line."""
+        return False
 
     @property
     def ramp(self) -> dict[str, list[Any]]:
@@ -95,7 +94,7 @@ class PacedRun:
         return {}
 
     def take_ramp(self, kept: Mapping[str, Any]) -> None:
-        """Let these numbers change so, before `resume`; see `ramp`."""
+        """Let these numbers change so from now on; see `ramp`."""
 
     @property
     def evaluated_by(self) -> str:

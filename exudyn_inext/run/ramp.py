@@ -13,6 +13,7 @@ import numpy as np
 from ..arrays import Array
 
 ROUND_OFF = 1e-9  # of a share
+NO_STEP = 0.0, 0.0
 
 
 class Line(NamedTuple):
@@ -37,7 +38,7 @@ class Ramp:
     start, end: of the step [s]; beyond it, the new values act.
     """
 
-    start = end = 0.0
+    start, end = NO_STEP
 
     def begin(self, start: float, end: float) -> None:
         """The step from `start` to `end` [s] is the next one."""

@@ -54,9 +54,7 @@ class ChangeFollower:
         self._figures: dict[str, float] = {}
         self._jumped = False
         self._jumps = False  # whether values do in the next step
-        self._line: Line | None = (
-            None  # along which they change there, if it is not evaluated at its end only
-        )
+        self._line: Line | None = None  # along which they change there, if it matters
         self._demands: dict[Parameter, Demand] = {}  # of the present runs
 
     def take_step(self, explicit: ExplicitSettings, h: float) -> None:
@@ -99,8 +97,8 @@ class ChangeFollower:
         self.is_event = is_new or not changed
         may_ramp = all(run.loads.follows for run in _alone(runs))
         self._jumps = self.is_event or jumps or not may_ramp
-        is_one_step = all(run.takes_one_step(end - time) for run in runs)
-        self._line = None if self._jumps or is_one_step else Line(time, end, self.log.before)
+        is_needed = not all(run.has_mean_forces(end - time) for run in runs)
+        self._line = Line(time, end, self.log.before) if is_needed and not self._jumps else None
         for run in runs if changed else ():
             run.control.look_soon()
         self.limit.notice(self.mbs, changed, time, end)
