@@ -569,12 +569,12 @@ def contacts_in_view(mbs: Any, runs: Sequence[Run]) -> list[Any]:
 
 def refuse_newton_functions(mbs: Any) -> None:
     """Raise SceneError if the user has functions that only Newton's method calls."""
-    if mbs.GetPostNewtonUserFunction() or mbs.GetPreNewtonResidualUserFunction():
-        raise SceneError(
-            "mbs has a PostNewtonUserFunction or a PreNewtonResidualUserFunction, which explicit steps do "
-            "not call: remove it, mbs.SetPostNewtonUserFunction(0), and let a function of "
-            "mbs.SetPreStepUserFunction or mbs.SetPostStepUserFunction do what it does."
-        )
+    for name in ("PostNewtonUserFunction", "PreNewtonResidualUserFunction"):
+        if getattr(mbs, f"Get{name}")():
+            raise SceneError(
+                f"mbs has a {name}, which explicit steps do not call: remove it, mbs.Set{name}(0), and let a "
+                "function of mbs.SetPreStepUserFunction or mbs.SetPostStepUserFunction do what it does."
+            )
 
 
 def refuse_step_functions(mbs: Any, where: str) -> None:

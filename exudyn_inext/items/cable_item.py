@@ -34,14 +34,19 @@ from .template import InextensibleCable, stiffness_left_out
 SOUND = 5000.0  # sqrt(E / rho) of steel, aluminium and glass [m/s]
 AIR = 1.0  # [kg/m^3]
 LONG, SLENDER = 100.0, 1e6  # of an element [m]; length over diameter [-]
+HEAVY = 1000.0  # [m/s^2]
 FREE_FREE = 22.373  # (omega L^2 / sqrt(EI / rho_A)) of the lowest bending vibration
 
 
-def warn_of_units(cable: Cable) -> None:
+def warn_of_units(cable: Cable, gravity: Array) -> None:
     """Warn if no solid round section of a stiff material has these constants, or if elements are huge.
+
+    Not where gravity [m/s^2] is huge: 9810 mm/s^2 say that other units are meant.
 
     EI / rho_A = E / rho d^2 / 16 gives the diameter d, from which density and slenderness follow.
     """
+    if np.linalg.norm(gravity) > HEAVY:
+        return
     section, length = cable.section, cable.length
     ratio = math.sqrt(section.bending_stiffness / section.mass_per_length)
     diameter = 4.0 * ratio / SOUND
@@ -176,7 +181,7 @@ def CreateInextensibleCable(
     if not checked.closed:
         held[-1] = _constraint_flags("groundConstraintsEnd", groundConstraintsEnd, cable.reference[-1])
     functions = user_forces_of(beamTemplate, template, dim)
-    warn_of_units(cable)
+    warn_of_units(cable, gravity_vector)
     item, made = _add_items(mbs, cable, checked.v[:, :, :dim], gravity_vector[:dim], held, way, shared)
     item.left_out = stiffness_left_out(beamTemplate, template)
     add_user_forces(mbs, item, template, functions)

@@ -46,17 +46,20 @@ _OF_DATA = {
 _TYPES = {
     getattr(exudyn.OutputVariableType, name) for name in _OF_MBS if hasattr(exudyn.OutputVariableType, name)
 }
-_OF_STATE = {"GetSensorValues", "GetNodeOutput", "GetObjectOutputBody", "systemData"}  # of these of mbs
+_SENSOR = "GetSensorValues"
+_OF_STATE = {_SENSOR, "GetNodeOutput", "GetObjectOutputBody", "systemData"}  # of these of mbs
+_OF_POINTS = {"Node", "Body", "Marker"}  # sensors that show motion, if their output is one of it
 _BY_NAME = {"getattr", "setattr", "delattr", "vars", "globals", "locals", "__import__"}
 _OPEN = {"eval", "exec", "compile", "open", "input", *_BY_NAME}
 _DATA = {int, float, complex, str, bool, type(None), type(NotImplemented)}
 _OF_DATACLASSES = {"dataclasses", "reprlib"}  # modules of what these classes show themselves by
 _GLOBAL = {"LOAD_GLOBAL", "LOAD_NAME"}
+_CALLS = {"CALL", "PRECALL", "CALL_METHOD"}
 _IMMUTABLE, _BY_CLASS = 1 << 8, 1 << 9  # flags of types: of C code, and of a class statement if not
 
 
 class Look(IntEnum):
-    """At nothing; at places and velocities; at sensors, too; at anything, as accelerations and forces."""
+    """At nothing; at places and velocities; at sensors of others, too; at anything, as forces."""
 
     NOTHING = 0
     MOTION = 1
@@ -105,7 +108,7 @@ def look_of(function: Any, mbs: Any, may_set: bool = True) -> Look:
         return Look.ANYTHING
     if not reached.names & _OF_STATE:
         return Look.NOTHING
-    return Look.SENSORS if "GetSensorValues" in reached.names else Look.MOTION
+    return Look.SENSORS if _SENSOR in reached.names and not reached.asks_for_motion() else Look.MOTION
 
 
 def may_change_anything(function: Any, mbs: Any) -> bool:
@@ -125,6 +128,8 @@ class _Reached:
     def __init__(self, mbs: Any) -> None:
         self.names: set[str] = set()
         self.stores = False
+        self._mbs = mbs
+        self._sensors: list[Any] = []  # what is asked for values; None: not known
         self._seen: dict[int, Any] = {}  # by their addresses, which they keep
         self._objects: list[Any] = [SimpleNamespace(variables=mbs.variables)]  # and those of the user
         self._members: set[str] = set()  # of modules and objects
@@ -143,6 +148,14 @@ class _Reached:
             done |= ahead
         others = {name for name in self._members - self._of_exudyn if not name.startswith("__")}
         return self.names <= _OF_MBS | _OF_DATA | others
+
+    def asks_for_motion(self) -> bool:
+        """Whether all sensors that are asked for values are known, and show places and velocities."""
+        number = self._mbs.systemData.NumberOfSensors()
+        if any(one is None or not 0 <= int(one) < number for one in self._sensors):
+            return False
+        shown = [self._mbs.GetSensor(int(one)) for one in self._sensors]
+        return all(one["sensorType"] in _OF_POINTS and one["outputVariableType"] in _TYPES for one in shown)
 
     def is_known(self, value: Any) -> bool:
         """Whether a value is, as far as it does not depend on attributes."""
@@ -170,6 +183,8 @@ class _Reached:
         given = [*(function.__defaults__ or ()), *(function.__kwdefaults__ or {}).values()]
         if outer is None or not all(map(self.is_known, given)):
             return False
+        for code in all_codes(function.__code__):
+            self._sensors += _asked_sensors(code, outer if code is function.__code__ else {})
         return all(self._is_known_code(code, outer) for code in all_codes(function.__code__))
 
     def _is_known_code(self, code: CodeType, outer: dict[str, Any]) -> bool:
@@ -178,6 +193,20 @@ class _Reached:
         self.stores |= looked_at(code).stores or looked_at(code).is_open
         read = {i.argval for i in named if i.opname in _GLOBAL}.union(code.co_freevars) & outer.keys()
         return not read & _OPEN and all(self.is_known(outer[name]) for name in read)
+
+
+def _asked_sensors(code: CodeType, outer: dict[str, Any]) -> Iterator[Any]:
+    """What each call mbs.GetSensorValues(sensor) in code names: an index, or a number; None: anything else.
+
+    outer: values of names that the code reads from outside.
+    """
+    taken = [i for i in dis.get_instructions(code) if i.opname != "PUSH_NULL"]
+    for method, given, call in zip(taken, taken[1:], [*taken[2:], taken[-1]], strict=False):
+        if method.argval == _SENSOR and method.opcode in dis.hasname:
+            is_named = given.opname in ("LOAD_DEREF", "LOAD_GLOBAL")
+            value = outer.get(given.argval) if is_named else given.argval
+            kind = "SensorIndex" if is_named else "int"
+            yield value if type(value).__name__ == kind and call.opname in _CALLS else None
 
 
 def _parts(value: Any) -> list[Any] | None:

@@ -80,6 +80,15 @@ def brake(mbs, t, tip):
     return [-0.2 * velocity[0], -0.2 * velocity[1], 0]
 
 
+def pull_back(mbs, t, tip):
+    x, y, _ = mbs.GetSensorValues(0)
+    return [-0.2 * x, -0.2 * y, 0]
+
+
+def follow_joint(mbs, t, tip):
+    return (0.1 * mbs.GetSensorValues(1)).tolist()
+
+
 def brake_and_release(mbs, t, tip):
     """It lets the weight of the mass go at 0.2 s."""
     if t > 0.2:
@@ -88,7 +97,10 @@ def brake_and_release(mbs, t, tip):
 
 
 @pytest.mark.parametrize("by_spring", [False, True])
-@pytest.mark.parametrize(("force", "are_at_once"), [(brake, True), (brake_and_release, False)])
+@pytest.mark.parametrize(
+    ("force", "are_at_once"),
+    [(brake, True), (pull_back, True), (brake_and_release, False), (follow_joint, False)],
+)
 def test_outputs_are_those_of_a_run_whose_steps_a_function_sees(swing, force, by_spring, are_at_once):
     mbs, sensors, asked = swing(force, by_spring)
     found, path = solved(mbs, sensors)

@@ -254,11 +254,13 @@ def test_functions_that_nobody_would_call_are_refused(twin):
         with pytest.raises(SceneError, match="pre- or post-step user function, which is not called between"):
             ExplicitStepper(model.mbs, stepSize=1e-3)
         register(0)
-    model.mbs.SetPostNewtonUserFunction(lambda mbs, t: [0, 0])
-    for run in (ExplicitStepper, SolveExplicit):
-        with pytest.raises(SceneError, match=r"PostNewtonUserFunction .*: remove it"):
-            run(model.mbs)
-    model.mbs.SetPostNewtonUserFunction(0)
+    for name in ("PostNewton", "PreNewtonResidual"):
+        register = getattr(model.mbs, f"Set{name}UserFunction")
+        register(lambda mbs, t, *_: [0, 0])
+        for run in (ExplicitStepper, SolveExplicit):
+            with pytest.raises(SceneError, match=rf"remove it, mbs\.Set{name}UserFunction\(0\)"):
+                run(model.mbs)
+        register(0)
     ExplicitStepper(model.mbs, stepSize=1e-3)
 
 

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import exudyn
 import numpy as np
 import pytest
+from exudyn.itemInterface import SensorBody, SensorUserFunction
 
 from exudyn_inext.items.functions_that_look import Look, look_of
 
@@ -181,6 +182,51 @@ def test_a_function_that_reads_places_and_velocities_does_not_look(function):
 @pytest.mark.parametrize("function", CONTROLLERS)
 def test_methods_and_objects_that_are_called_are_looked_into(function):
     assert look_of(function, MBS) == Look.SENSORS
+
+
+@pytest.fixture
+def sensed():
+    """mbs with a mass point, and sensors of its place, of its acceleration, and of twice the latter."""
+    mbs = exudyn.SystemContainer().AddSystem()
+    point = mbs.CreateMassPoint(mass=1)
+    kinds = POSITION, ACCELERATION
+    place, rate = (mbs.AddSensor(SensorBody(bodyNumber=point, outputVariableType=kind)) for kind in kinds)
+    twice = SensorUserFunction(sensorUserFunction=lambda mbs, t, *_: (2 * mbs.GetSensorValues(rate)).tolist())
+    return mbs, place, rate, mbs.AddSensor(twice)
+
+
+def reading(*sensors):
+    one, other = sensors[0], sensors[-1]
+    return lambda mbs, t: (
+        mbs.GetSensorValues(one)[0] + mbs.GetSensorValues(other)[0] + mbs.GetSensorValues(0)[0]
+    )
+
+
+def test_a_function_that_names_sensors_of_places_looks_at_these_alone(sensed):
+    mbs, place, rate, twice = sensed
+    assert look_of(reading(place), mbs) == Look.MOTION
+    assert look_of(reading(rate), mbs) == look_of(reading(place, rate), mbs) == Look.SENSORS
+    assert look_of(reading(twice), mbs) == Look.SENSORS
+
+
+def test_a_sensor_that_is_not_named_in_the_call_may_be_any(sensed):
+    mbs, place, rate, _ = sensed
+    numbers = [int(place)]
+
+    def within(mbs, t):
+        place = rate
+        return (lambda: mbs.GetSensorValues(place))()
+
+    functions = [
+        within,
+        lambda mbs, t: mbs.GetSensorValues(numbers[0]),
+        lambda mbs, t: mbs.GetSensorValues(sensorNumber=place),
+        lambda mbs, t: mbs.GetSensorValues(place + t),
+        lambda mbs, t: mbs.GetSensorValues(7),
+        lambda mbs, t: mbs.GetSensorValues,
+    ]
+    for function in functions:
+        assert look_of(function, mbs) == Look.SENSORS
 
 
 @pytest.mark.parametrize("function", LOOKING)

@@ -9,10 +9,10 @@ import pytest
 from exudyn_inext import CreateInextensibleCable, InextensibleCable
 
 
-def create(length, stiffness, elements, mass=0.03477):
+def create(length, stiffness, elements, mass=0.03477, gravity=9.81):
     mbs = exudyn.SystemContainer().AddSystem()
     section = InextensibleCable(massPerLength=mass, bendingStiffness=stiffness)
-    CreateInextensibleCable(mbs, [0, 0, 0], [length, 0, 0], elements, section, gravity=[0, -9.81, 0])
+    CreateInextensibleCable(mbs, [0, 0, 0], [length, 0, 0], elements, section, gravity=[0, -gravity, 0])
 
 
 @pytest.mark.parametrize("elements", [1, 10])
@@ -36,6 +36,13 @@ def test_the_period_is_that_of_a_free_beam():
 def test_lengths_in_millimetres_are_named():
     with pytest.warns(UserWarning, match=r"slenderness of 1\.4e\+06.*elements of 180 m"):
         create(1800.0, 0.08665, 10)
+
+
+def test_millimetres_tonnes_and_seconds_are_not_warned_of():
+    """The rod of the paper: 1 kg/m = 1e-6 t/mm, 1 N m^2 = 1e6 N mm^2."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        create(1800.0, 86650.0, 10, mass=0.03477e-6, gravity=9810.0)
 
 
 REAL = {
