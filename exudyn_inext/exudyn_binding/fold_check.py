@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..arrays import Array
+from ..checks import SMALLEST
 from ..scene.model import CableInScene
 
 BACKWARDS = -0.5  # cosine between a slope and the line to the next node: no cable turns so far in one element
@@ -18,10 +19,10 @@ def fold_of(cable: CableInScene, q: Array, gravity: float) -> str:
     gravity: largest on its elements [m/s^2].
     """
     lines = np.diff(q[:, 0], axis=0)
-    lines = lines / np.linalg.norm(lines, axis=1, keepdims=True)
+    lines = lines / np.maximum(np.linalg.norm(lines, axis=1, keepdims=True), SMALLEST)
     cosines = np.einsum("eai,ei->ea", np.stack([q[:-1, 1], q[1:, 1]], axis=1), lines)
     element, end = divmod(int(np.argmin(cosines)), 2)
-    if cosines[element, end] > BACKWARDS or not gravity:
+    if not (cosines[element, end] < BACKWARDS and gravity):
         return ""
     node = element + end
     is_inner = 0 < node < len(lines)
