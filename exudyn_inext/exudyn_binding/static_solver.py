@@ -1,5 +1,6 @@
 """SolveEquilibrium: the stable static equilibrium of a scene with inextensible cables."""
 
+import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
@@ -35,6 +36,7 @@ from ..statics import (
     potentials_of,
 )
 from ..statics.support_forces import support_forces
+from .fold_check import fold_of
 from .mbs_state import at_start
 from .reports import StaticReport
 from .scene import assemble, initial_states, read_scene
@@ -59,10 +61,17 @@ def hint(scene_cable: CableInScene, q: Array, time: float) -> str:
             "length, so that it is about to turn inside out: let it be stiffer along its axis, or start "
             "nearer to the equilibrium"
         )
+    if folded := _fold(scene_cable, q, time):
+        return folded
     if not cable.stretches and (taut := _taut(cable, time)):
         ends = " and ".join(str(names[k]) for k in taut)
         return f"cable '{scene_cable.name}' is straight between the supports of nodes {ends}, {NO_TENSION}"
     return ""
+
+
+def _fold(cable: CableInScene, q: Array, time: float) -> str:
+    """See `fold_of`."""
+    return fold_of(cable, q, float(np.linalg.norm(CableLoads(cable).gravity_at(time), axis=1).max()))
 
 
 def _taut(cable: Cable, time: float) -> tuple[int, ...]:
@@ -226,6 +235,7 @@ def _solve_cables(mbs: Any, scene: Scene, time: float, static: StaticSettings) -
         _put_reactions(cable, equilibrium.q, equilibrium.multipliers, time, reactions)
     rest_at(mbs, displacements, reactions)
     _warn_of_stretch(cables, [one.q for one in found], [one.multipliers for one in found], time)
+    _warn_of_folds(cables, found, time)
     return report
 
 
@@ -317,6 +327,7 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
     for k, own in enumerate(multipliers):
         _put_reactions(scene.cables[k], of_cables[k].q, own, time, reactions)
     _warn_of_stretch(unloaded, [one.q for one in of_cables], multipliers, time)
+    _warn_of_folds(unloaded, of_cables, time)
     rest_at(mbs, joined.displacements(q), reactions)
     put_data(mbs, data)
     return report
@@ -340,6 +351,13 @@ def _warn_of_stretch(
             largest = float(np.abs(potential.mean_tension(own)).max())
             said.append(stretch_of(cable, (largest, largest), q[np.newaxis, :, 0], time))
     warn_of_worst(said)
+
+
+def _warn_of_folds(cables: Sequence[CableInScene], found: Sequence[Equilibrium], time: float) -> None:
+    """Of the first cable that rests in a shape of coarse elements alone."""
+    folds = (_fold(cable, one.q, time) for cable, one in zip(cables, found, strict=False))
+    if said := next(filter(None, folds), ""):
+        warnings.warn(f"{said}.", stacklevel=4)
 
 
 def _require_still_fluid(scene_cable: CableInScene) -> None:

@@ -8,6 +8,8 @@ ends at a distance h and a height v ask for sinh(u) / u = sqrt(L^2 - v^2) / h, u
 asinh sigma_0 = artanh(v / L) - u: H. M. Irvine, Cable Structures, MIT Press 1981, section 1.2.
 """
 
+import warnings
+
 import numpy as np
 import scipy
 
@@ -19,6 +21,7 @@ from ..statics.feasible import feasible
 
 NEARLY_STRAIGHT = 1e-12  # length over distance, less one
 STEEPEST = 1e-6  # horizontal distance over the length of a cable that is not straight
+FAR = 0.25  # of an element: distance of a node from the curve, where elements follow its bend within 0.1
 ROUND_OFF = 1e-11  # of lengths of elements over that of the cable, or 1 m if that is more
 
 
@@ -62,7 +65,7 @@ def hanging_curve(span: Array, length: float, up: Array, at: Array) -> tuple[Arr
 
 
 def of_constant_length(q: Array, length: float) -> Array:
-    """The nearest nodes of an inextensible cable of equal elements; the first and the last point stay.
+    """Near nodes of an inextensible cable of equal elements; the first and the last point stay.
 
     Args:
         q: (n, 2, 3) positions [m] and unit tangents of a curve.   length: of the cable [m].
@@ -91,9 +94,21 @@ def of_constant_length(q: Array, length: float) -> Array:
             f"numberOfElements = {number}: elements of {length / number:g} m are too long for the bend at "
             "the lowest point of the cable; use more elements, or move the ends apart."
         )
+    _warn_if_far(float(np.linalg.norm(nearest[:, 0] - q[:, 0, :dimension], axis=1).max()), number, length)
     nodes = q.copy()
     nodes[1:-1, 0, :dimension], nodes[:, 1, :dimension] = nearest[1:-1, 0], nearest[:, 1]
     return nodes
+
+
+def _warn_if_far(off: float, number: int, length: float) -> None:
+    """off: largest distance of a node from the curve [m]."""
+    if off > FAR * length / number:
+        warnings.warn(
+            f"numberOfElements = {number}: elements of {length / number:.3g} m do not follow the bend at the "
+            f"lowest point of the cable, so that nodes lie up to {off:.2g} m off the catenary, and the cable "
+            "does not rest: call SolveEquilibrium before a run, use more elements, or move the ends apart.",
+            stacklevel=4,
+        )
 
 
 def _half_span(ratio: float) -> float:

@@ -138,7 +138,8 @@ class CableShape:
         """Cable at rest that hangs between two points, as it does without bending stiffness.
 
         The length is exact: the nodes are those of elements near the catenary, which keep their length.
-        `SolveEquilibrium` finds how the bending stiffness changes the shape.
+        `SolveEquilibrium` finds how the bending stiffness changes the shape. A warning says where elements
+        are too long for the bend at the lowest point, so that nodes lie far from it.
 
         Args:
             positionStart: (2,) or (3,) position of the first node [m].

@@ -17,7 +17,7 @@ from .coordinates import CoordinateMap
 from .joint_item import JointItem
 from .sliding_joints import SlidingJoint
 
-STEP = 1e-4  # of differences along the motion [m, -, s]
+STEP = 1e-4  # of differences along the motion [m, -, s], where coordinates are 1 at most
 # places, in steps, and weights of second differences: between two, or of one side up to the fourth power
 _BETWEEN = np.array([1.0, -1.0]), np.ones(2)
 _BESIDE = np.arange(1.0, 5.0), STEP_OF_TIME**2 * AHEAD[1, 1:]
@@ -158,7 +158,8 @@ class JointRows:
             if self._are_linear or not v.any():
                 return JointTerms(value, drift, change)
         rates = v[: self._places]  # those of first-order states behind them have other units
-        step = self._step / max(1.0, float(np.abs(rates).max()))
+        size, speed = (max(1.0, float(np.abs(x).max())) for x in (q[: self._places], rates))
+        step = self._step * size**0.5 / speed  # large coordinates have larger round-off
         places, weights = _BESIDE if side else _BETWEEN
         times = step * (side or 1.0) * places
         along = [(value_at(t + s, self._moved(q, v, s)), self._rates(mbs, v)) for s in times.tolist()]

@@ -16,6 +16,7 @@ from exudyn.itemInterface import (
 )
 
 from exudyn_inext import (
+    AddPointMass,
     CableShape,
     CreateInextensibleCable,
     CreatePrescribedMotion,
@@ -172,7 +173,7 @@ def test_cantilever_agrees_with_the_native_static_solution(new_mbs, add_cable, c
 
 def test_every_cable_finds_its_own_equilibrium(mbs, add_cable, add_hanging, coordinates, drift):
     """A chain that hangs straight down: its lowest frequency is j_0 / 2 sqrt(g / L)."""
-    soft = InextensibleCable(massPerLength=0.03, bendingStiffness=1e-6)
+    soft = InextensibleCable(massPerLength=0.03, bendingStiffness=1e-5)
     down = {"positionEnd": [0, -1.8, 0], "groundConstraintsStart": PIN}
     chain = add_cable(mbs, beamTemplate=soft, numberOfElements=20, **down)["nodes"]
     hanging = add_hanging(mbs)
@@ -392,7 +393,7 @@ def test_stiff_cables_are_as_easy_as_inextensible_ones(add_cable, new_mbs, stiff
 
 def test_flexible_stiff_cables_in_space_are_stable(add_cable, mbs):
     """EA is 5e12 EI / L^2: round-off of the solves must not count as an eigenvalue below zero."""
-    template = InextensibleCable(massPerLength=1.0, bendingStiffness=0.02, axialStiffness=5e8)
+    template = InextensibleCable(massPerLength=1.0, bendingStiffness=0.2, axialStiffness=5e9)
     line = {"positionEnd": [12.0, 3.0, -6.0], "numberOfElements": 16, "gravity": [3.0, -8.0, 5.0]}
     clamp = {"groundConstraintsStart": [True] * 6, "dimension": 3}
     nodes = add_cable(mbs, beamTemplate=template, **line, **clamp)["nodes"]
@@ -428,3 +429,26 @@ def test_a_beam_that_turns_inside_out_is_named(add_cable, mbs):
     shape = CableShape.Catenary([0, 0, 0], [0.3, 0, 0], 1.0, 16)
     with pytest.raises(EquilibriumError, match=r"is compressed at node \d+ to 0\.2\d* of its length"):
         loaded_across(add_cable, mbs, template, shape=shape)
+
+
+def test_an_end_that_its_weight_folds_back_is_named_with_what_keeps_it_straight(new_mbs):
+    """Eight elements of a limp cable: the end would rest a quarter of an element too high."""
+
+    def place(loaded):
+        mbs = new_mbs()
+        limp = InextensibleCable(massPerLength=0.5, bendingStiffness=1e-6)
+        ends = {"positionStart": [0, 0, 0], "positionEnd": [1, 0, 0], "numberOfElements": 8}
+        cable = CreateInextensibleCable(
+            mbs, **ends, beamTemplate=limp, gravity=[0, -9.81, 0], groundConstraintsStart=PIN
+        )
+        if loaded:
+            AddPointMass(mbs, cable, 1.0, 0.2 * 0.5 / 8)
+        mbs.Assemble()
+        SolveEquilibrium(mbs)
+        return mbs.GetNodeOutput(cable["nodes"][-1], exudyn.OutputVariableType.Position)
+
+    with pytest.warns(
+        UserWarning, match=r"node 8, .* of 0.125 m .*\(limit 0.0235 m\).*0.031 m off.*AddPoint"
+    ):
+        assert place(loaded=False)[1] == pytest.approx(-1.0 + 0.255 / 8, abs=1e-4)
+    np.testing.assert_allclose(place(loaded=True), [0, -1, 0], atol=1e-6)

@@ -3,9 +3,17 @@
 import exudyn
 import numpy as np
 import pytest
+from exudyn.rigidBodyUtilities import InertiaCuboid
 
 from examples import crane, net, slider_crank, tethered_bodies
-from exudyn_inext import CableForces, CreateCableForceSensor, SolveEquilibrium
+from exudyn_inext import (
+    AttachToBody,
+    CableForces,
+    CreateCableForceSensor,
+    CreateInextensibleCable,
+    InextensibleCable,
+    SolveEquilibrium,
+)
 from exudyn_inext.items.cable_data import find_cable_item
 from reference_models.model import quiet_settings
 from tests.exudyn_binding.items import trajectory
@@ -94,3 +102,30 @@ def test_a_net_at_rest_carries_its_weight_by_its_rods(mbs):
         total += upwards * abs(float(np.ravel(mbs.GetObjectOutput(rod, FORCE))[0]))
     weight = 6 * net.CABLE.massPerLength * net.SIDE * 9.81
     assert total == pytest.approx(weight, rel=1e-6)
+
+
+@pytest.mark.filterwarnings("ignore:length = 800 m")
+def test_section_forces_after_a_run_are_the_same_in_millimetres_and_tonnes(new_mbs, solve):
+    found = []
+    for m, kg in ((1.0, 1.0), (1e3, 1e-3)):
+        mbs = new_mbs()
+        section = {"massPerLength": 0.02 * kg / m, "bendingStiffness": 0.01 * m**2}
+        ends = {"positionStart": [0, 0, 0], "positionEnd": [0.8 * m, 0, 0], "numberOfElements": 4}
+        cable = CreateInextensibleCable(
+            mbs,
+            **ends,
+            beamTemplate=InextensibleCable(**section),
+            gravity=[0, -9.81 * m, 0],
+            groundConstraintsStart=[True, True, False, False],
+        )
+        body = mbs.CreateRigidBody(
+            inertia=InertiaCuboid(800 * kg / m**3, [0.05 * m] * 3),
+            referencePosition=[0.83 * m, 0, 0],
+            gravity=[0, -9.81 * m, 0],
+            create2D=True,
+        )
+        AttachToBody(mbs, cable, "end", body, [-0.03 * m, 0, 0])
+        mbs.Assemble()
+        solve(mbs, 0.3, stepSize=1e-3)
+        found.append(CableForces(mbs, cable, 5)["tension"])
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-4)
