@@ -207,7 +207,7 @@ def addresses_of(row: Sequence[Called]) -> Any:
 
 def provide(functions: np.ndarray, system: Any, *protocols: Any) -> None:
     """Compile these protocols for the type of a system, and put their addresses into a table."""
-    _fill(functions, system, structure_of(system), protocols)
+    _fill(functions, system, _table_of(system)[1], protocols)
 
 
 def _fill(functions: np.ndarray, system: Any, structure: Structure, protocols: Sequence[Any]) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, as_slice
 from ..compiled import kernel
 from ..constraints.motion import AHEAD, differences_and_side
 from ..constraints.motion import STEP as STEP_OF_TIME
@@ -70,7 +70,7 @@ class JointRows:
         self._rolling = np.flatnonzero(np.repeat([joint.is_rolling for joint in joints], np.diff(ends)))
         self._targets = [
             [
-                (of_parts[part], (np.searchsorted(of_parts[part].rows, own)[:, None], at), columns)
+                (of_parts[part], _places(of_parts[part].rows, own, at), as_slice(columns))
                 for part, columns, at in met
             ]
             for own, met in zip(rows, places, strict=True)
@@ -86,8 +86,10 @@ class JointRows:
     def values(self, mbs: Any, equations: Array) -> Array:
         """(m,) in the current configuration of mbs, from the values of all algebraic equations there."""
         result = equations[self._equations]
-        result[self._angles] -= self._periods * np.round(result[self._angles] / self._periods)
-        result[self._rolling] = 0.0
+        if len(self._angles):
+            result[self._angles] -= self._periods * np.round(result[self._angles] / self._periods)
+        if len(self._rolling):
+            result[self._rolling] = 0.0
         for own, joint in self.sliding:
             result[own] = joint.foot(mbs).distances
         return result
@@ -173,6 +175,12 @@ class JointRows:
             joint.jacobian(mbs)[:, places >= 0] @ v[places[places >= 0]]
             for _, joint, places in self._of_rates
         ]
+
+
+def _places(rows: np.ndarray, own: np.ndarray, at: np.ndarray) -> Any:
+    """Of the rows of a joint, which follow each other, and of columns in the block with these rows."""
+    first = int(np.searchsorted(rows, own[0]))
+    return slice(first, first + len(own)), as_slice(at)
 
 
 def _common(coordinates: np.ndarray, held: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
