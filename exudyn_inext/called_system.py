@@ -22,6 +22,7 @@ from .lowered import (
     call_at,
     entry_of,
     number_of,
+    place_of,
     structure_of,
     taken_apart,
     words_of,
@@ -185,7 +186,7 @@ def called(system: Any, *protocols: Any) -> Any:
         return system
     functions, structure = _table_of(system)
     _fill(functions, system, structure, protocols)
-    return Called(functions.ctypes.data + functions.nbytes, functions)
+    return Called(place_of(functions) + functions.nbytes, functions)
 
 
 @cache

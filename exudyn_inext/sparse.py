@@ -30,6 +30,13 @@ class Pattern:
         return result
 
 
+def compressed(matrix: Array) -> SparseArray:
+    """The same (m, n), without its zeros."""
+    rows, columns = matrix.nonzero()
+    start = np.searchsorted(rows, np.arange(len(matrix) + 1))
+    return scipy.sparse.csr_array((matrix[rows, columns], columns, start), shape=matrix.shape)
+
+
 def rows_of(matrix: SparseArray) -> np.ndarray:
     """(nnz,) row of each entry."""
     return np.repeat(np.arange(matrix.shape[0], dtype=np.int32), np.diff(matrix.indptr))

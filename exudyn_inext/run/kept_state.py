@@ -30,7 +30,7 @@ class KeptState:
         sizes = self._parts[:, 1]
         ends = np.cumsum(sizes)
         self._copies = np.empty(sizes.sum(), np.uint8)
-        self._there = np.column_stack([self._copies.ctypes.data + ends - sizes, self._parts])
+        self._there = np.column_stack([place_of(self._copies) + ends - sizes, self._parts])
         self._back = self._there[:, [1, 0, 2]].copy()
 
     def another(self) -> "KeptState":

@@ -13,6 +13,7 @@ import scipy
 
 from ..arrays import Array, SparseArray
 from ..compiled import inlined, kernel
+from ..sparse import compressed
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .joints import respond_to_rows
 
@@ -106,7 +107,8 @@ class BodiesSystem:
     @property
     def mass(self) -> SparseArray:
         """(n, n) at present."""
-        return scipy.sparse.csr_array(self._present_mass)
+        present = self._present_mass
+        return present if scipy.sparse.issparse(present) else compressed(present)
 
     @property
     def masses(self) -> Array:
