@@ -89,13 +89,12 @@ def runs_of_cables(
     mbs: Any, cables: Sequence[CableInScene], time: float, h: float, explicit: ExplicitSettings
 ) -> list[CableRun]:
     """One run for each cable, from the initial configuration; arguments: see `runs_of_scene`."""
-    start, states = Start(time, h, explicit), initial_states(mbs, cables)
+    start, states, method = Start(time, h, explicit), initial_states(mbs, cables), explicit.method
     scaled = ImplicitBending((explicit.massScaling or 0.0) * h**2)
     systems = cable_systems([one.cable for one in cables], explicit.stabilizationRate, scaled)
     is_kept = len(cables) > 1 and are_kept(cables, systems, states)
     return [
-        CableRun(*given, start, explicit.method, is_kept)
-        for given in zip(cables, systems, states, strict=True)
+        CableRun(*given, start, method, is_kept) for given in zip(cables, systems, states, strict=True)
     ]
 
 
