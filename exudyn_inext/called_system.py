@@ -143,7 +143,7 @@ def _do_nothing(*_arguments):
 
 
 _ADDRESSES: dict[Any, int] = {}  # of protocols for structures of systems
-_TABLES: dict[int, tuple[Any, Structure]] = {}  # references to those of systems, by their identities
+_TABLES: dict[int, tuple[Any, Structure, Any]] = {}  # references to those of systems, by their identities
 
 
 def _address(protocol: Any, structure: Structure) -> int:
@@ -155,20 +155,16 @@ def _address(protocol: Any, structure: Structure) -> int:
 
 
 def _table_of(system: Any) -> tuple[np.ndarray, Structure]:
-    """Functions, behind which the system lies, and its structure; the table keeps the system."""
+    """Functions, behind which the system lies, and its structure; the system is kept as long as these."""
     if id(system) in _TABLES:
-        reference, structure = _TABLES[id(system)]
+        reference, structure, _ = _TABLES[id(system)]
         return reference(), structure
     structure, words = structure_of(system), words_of(system)
     assert len(words) == -(-structure.size // INTEGER.itemsize)
     functions = np.array([0] * MOST_PROTOCOLS + words, INTEGER)[:MOST_PROTOCOLS]
-    _TABLES[id(system)] = weakref.ref(functions), structure
-    weakref.finalize(functions, _forget, id(system), system).atexit = False
+    forget = partial(_TABLES.pop, id(system))
+    _TABLES[id(system)] = weakref.ref(functions, forget), structure, system
     return functions, structure
-
-
-def _forget(identity: int, _system: Any) -> None:
-    del _TABLES[identity]
 
 
 def called(system: Any, *protocols: Any) -> Any:

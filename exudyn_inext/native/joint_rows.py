@@ -1,7 +1,7 @@
 """The joints of an mbs as rows of one constraint on the parts of a coupled system."""
 
 from collections.abc import Callable, Sequence
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import Any
 
 import numpy as np
@@ -50,9 +50,9 @@ class JointRows:
         self._are_linear = all(joint.is_linear for joint in joints)
         self._is_set = False  # the Jacobian of linear joints
         self._equations = np.concatenate([np.zeros(0, int), *(joint.rows for joint in joints)])
-        ends = np.cumsum([0, *(len(joint.rows) for joint in joints)])
-        rows = [np.arange(a, b) for a, b in pairwise(ends)]
-        periods = np.repeat([joint.period for joint in joints], np.diff(ends))
+        sizes = [len(joint.rows) for joint in joints]
+        rows = [np.arange(a, b) for a, b in pairwise([0, *accumulate(sizes)])]
+        periods = np.repeat([joint.period for joint in joints], sizes)
         self._angles = np.flatnonzero(np.isfinite(periods))
         self._periods = periods[self._angles]
         pairs = zip(rows, joints, strict=True)
@@ -67,7 +67,7 @@ class JointRows:
             for own, joint in zip(rows, joints, strict=True)
             if joint.is_angular or joint.is_rolling
         ]
-        self._rolling = np.flatnonzero(np.repeat([joint.is_rolling for joint in joints], np.diff(ends)))
+        self._rolling = np.flatnonzero(np.repeat([joint.is_rolling for joint in joints], sizes))
         self._targets = [
             [
                 (of_parts[part], _places(of_parts[part].rows, own, at), as_slice(columns))
