@@ -34,7 +34,8 @@ def compressed(matrix: Array) -> SparseArray:
     """The same (m, n), without its zeros."""
     rows, columns = matrix.nonzero()
     start = np.searchsorted(rows, np.arange(len(matrix) + 1))
-    return scipy.sparse.csr_array((matrix[rows, columns], columns, start), shape=matrix.shape)
+    places = columns.astype(np.int32), start.astype(np.int32)
+    return scipy.sparse.csr_array((matrix[rows, columns], *places), shape=matrix.shape)
 
 
 def rows_of(matrix: SparseArray) -> np.ndarray:

@@ -22,7 +22,7 @@ Systems = tuple[Any, list[Any]]
 """One for all of some cables, and those of the cables, which share its memory."""
 
 MOST_KNOWN = 16
-_KNOWN: dict[Any, CableSystem] = {}  # as they were built, by all that decides on them but the lengths
+_KNOWN: dict[Any, Any] = {}  # as they were built, by all that decides on them but the lengths
 
 
 def cable_systems(cables: Sequence[Cable], zeta: float, implicit: ImplicitBending = EXPLICIT) -> list[Any]:

@@ -93,9 +93,7 @@ def runs_of_cables(
     scaled = ImplicitBending((explicit.massScaling or 0.0) * h**2)
     systems = cable_systems([one.cable for one in cables], explicit.stabilizationRate, scaled)
     is_kept = len(cables) > 1 and are_kept(cables, systems, states)
-    return [
-        CableRun(*given, start, method, is_kept) for given in zip(cables, systems, states, strict=True)
-    ]
+    return [CableRun(*given, start, method, is_kept) for given in zip(cables, systems, states, strict=True)]
 
 
 def runs_of_scene(
