@@ -97,11 +97,11 @@ def test_systems_of_many_cables_share_no_memory():
 def test_systems_of_later_calls_are_as_new():
     """What they have in common is kept, and what earlier ones do with their memory is not."""
     cable = various_cables()[0]
-    kept = [records.copy() for records in cable_system(cable, ZETA).chain[1:]]
+    kept = [records.tobytes() for records in cable_system(cable, ZETA).chain[1:]]
     for _ in range(3):
         (system,) = cable_systems([cable], ZETA)
         for records, expected in zip(system.chain[1:], kept, strict=True):
-            assert records.tobytes() == expected.tobytes()
+            assert records.tobytes() == expected
             records[:] = np.zeros_like(records)
 
 
