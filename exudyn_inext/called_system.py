@@ -22,6 +22,7 @@ from .lowered import (
     call_at,
     entry_of,
     number_of,
+    place_of,
     structure_of,
     taken_apart,
     words_of,
@@ -142,7 +143,7 @@ def _do_nothing(*_arguments):
 
 
 _ADDRESSES: dict[Any, int] = {}  # of protocols for structures of systems
-_TABLES: dict[int, tuple[Any, Structure]] = {}  # references to those of systems, by their identities
+_TABLES: dict[int, tuple[Any, Structure, Any]] = {}  # references to those of systems, by their identities
 
 
 def _address(protocol: Any, structure: Structure) -> int:
@@ -154,20 +155,16 @@ def _address(protocol: Any, structure: Structure) -> int:
 
 
 def _table_of(system: Any) -> tuple[np.ndarray, Structure]:
-    """Functions, behind which the system lies, and its structure; the table keeps the system."""
+    """Functions, behind which the system lies, and its structure; the system is kept as long as these."""
     if id(system) in _TABLES:
-        reference, structure = _TABLES[id(system)]
+        reference, structure, _ = _TABLES[id(system)]
         return reference(), structure
     structure, words = structure_of(system), words_of(system)
     assert len(words) == -(-structure.size // INTEGER.itemsize)
     functions = np.array([0] * MOST_PROTOCOLS + words, INTEGER)[:MOST_PROTOCOLS]
-    _TABLES[id(system)] = weakref.ref(functions), structure
-    weakref.finalize(functions, _forget, id(system), system).atexit = False
+    forget = partial(_TABLES.pop, id(system))
+    _TABLES[id(system)] = weakref.ref(functions, forget), structure, system
     return functions, structure
-
-
-def _forget(identity: int, _system: Any) -> None:
-    del _TABLES[identity]
 
 
 def called(system: Any, *protocols: Any) -> Any:
@@ -185,7 +182,7 @@ def called(system: Any, *protocols: Any) -> Any:
         return system
     functions, structure = _table_of(system)
     _fill(functions, system, structure, protocols)
-    return Called(functions.ctypes.data + functions.nbytes, functions)
+    return Called(place_of(functions) + functions.nbytes, functions)
 
 
 @cache
@@ -207,7 +204,7 @@ def addresses_of(row: Sequence[Called]) -> Any:
 
 def provide(functions: np.ndarray, system: Any, *protocols: Any) -> None:
     """Compile these protocols for the type of a system, and put their addresses into a table."""
-    _fill(functions, system, structure_of(system), protocols)
+    _fill(functions, system, _table_of(system)[1], protocols)
 
 
 def _fill(functions: np.ndarray, system: Any, structure: Structure, protocols: Sequence[Any]) -> None:

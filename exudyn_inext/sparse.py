@@ -30,6 +30,14 @@ class Pattern:
         return result
 
 
+def compressed(matrix: Array) -> SparseArray:
+    """The same (m, n), without its zeros."""
+    rows, columns = matrix.nonzero()
+    start = np.searchsorted(rows, np.arange(len(matrix) + 1))
+    places = columns.astype(np.int32), start.astype(np.int32)
+    return scipy.sparse.csr_array((matrix[rows, columns], *places), shape=matrix.shape)
+
+
 def rows_of(matrix: SparseArray) -> np.ndarray:
     """(nnz,) row of each entry."""
     return np.repeat(np.arange(matrix.shape[0], dtype=np.int32), np.diff(matrix.indptr))

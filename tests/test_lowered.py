@@ -15,7 +15,7 @@ from numba.extending import overload
 import exudyn_inext
 from exudyn_inext import compiled
 from exudyn_inext.compiled import inlined, inlined_kernel, kernel
-from exudyn_inext.lowered import set_multiple, subtract_multiple
+from exudyn_inext.lowered import place_of, set_multiple, subtract_multiple
 
 pytestmark = pytest.mark.kernel
 LENGTHS = range(1, 13)
@@ -191,3 +191,10 @@ def test_numba_is_one_of_the_versions_that_are_allowed():
     allowed = next(given for given in metadata.requires("exudyn_inext") if given.startswith("numba"))
     least, below = (int(re.search(sign + r"0\.(\d+)", allowed)[1]) for sign in (">=", "<"))
     assert least <= int(numba.__version__.split(".")[1]) < below
+
+
+def test_arrays_are_where_numpy_says():
+    records = np.zeros(4, [("x", float, 3), ("k", int)])
+    arrays = np.zeros((3, 4)), np.zeros((4, 6))[1::2, ::3], np.zeros(0), np.array(1.0), records, records["k"]
+    for array in arrays:
+        assert place_of(array) == array.ctypes.data

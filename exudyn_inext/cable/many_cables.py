@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, copy_of
 from .cable import Cable
 from .chain import Chain, set_constrained_lengths
 from .implicit_bending import EXPLICIT, ImplicitBending
@@ -21,27 +21,35 @@ from .links import all_links
 Systems = tuple[Any, list[Any]]
 """One for all of some cables, and those of the cables, which share its memory."""
 
+MOST_KNOWN = 16
+_KNOWN: dict[Any, Any] = {}  # as they were built, by all that decides on them but the lengths
+
 
 def cable_systems(cables: Sequence[Cable], zeta: float, implicit: ImplicitBending = EXPLICIT) -> list[Any]:
-    """As `cable_system`, of each; what cables have in common is computed once."""
-    systems, known = [], dict[Any, Any]()
-    for cable in cables:
-        key = _coefficients(cable)
-        system: Any = known.get(key)
-        if system is None:
-            system = known[key] = cable_system(cable, zeta, implicit)
-        else:
-            system = _with(system, system.chain.nodes.copy(), system.chain.elements.copy())
-            set_constrained_lengths(cable, system.chain.elements)
-        systems.append(system)
-    return systems
+    """As `cable_system`, of each; what cables have in common, also with earlier ones, is computed once."""
+    return [_system_of(cable, zeta, implicit) for cable in cables]
+
+
+def _system_of(cable: Cable, zeta: float, implicit: ImplicitBending) -> Any:
+    coefficients = _coefficients(cable)
+    if coefficients is None:
+        return cable_system(cable, zeta, implicit)
+    key = coefficients, zeta, implicit
+    if key not in _KNOWN:
+        if len(_KNOWN) == MOST_KNOWN:
+            _KNOWN.clear()
+        _KNOWN[key] = cable_system(cable, zeta, implicit)
+    known = _KNOWN[key]
+    system = _with(known, copy_of(known.chain.nodes), copy_of(known.chain.elements))
+    set_constrained_lengths(cable, system.chain.elements)
+    return system
 
 
 def _coefficients(cable: Cable) -> Any:
-    """The same for cables whose systems differ in constrained lengths alone."""
+    """The same for cables whose systems differ in constrained lengths alone; None: there are no others."""
     section = cable.section
     if cable.stretches or section.strain_is_relative or all_links(cable):
-        return id(cable)
+        return None
     mesh = cable.dimension, cable.element_lengths.tobytes(), cable.fixed.tobytes()
     return mesh, section, cable.measure, cable.length_constraints, cable.point_masses, cable.drag
 

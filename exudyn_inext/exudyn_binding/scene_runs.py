@@ -95,13 +95,11 @@ def runs_of_cables(
 ) -> list[CableRun]:
     """One run for each cable, from the initial configuration; arguments: see `runs_of_scene` and `Start`."""
     start, states = Start(time, h, explicit, follows), initial_states(mbs, cables)
+    method = explicit.method
     scaled = ImplicitBending((explicit.massScaling or 0.0) * h**2)
     systems = cable_systems([one.cable for one in cables], explicit.stabilizationRate, scaled)
     is_kept = len(cables) > 1 and are_kept(cables, systems, states)
-    return [
-        CableRun(*given, start, explicit.method, is_kept)
-        for given in zip(cables, systems, states, strict=True)
-    ]
+    return [CableRun(*given, start, method, is_kept) for given in zip(cables, systems, states, strict=True)]
 
 
 def runs_of_scene(

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, copy_of
 from .build_joints import build_joints
 from .build_nodes import Ends, ends_of_cables
 from .cables import Cables, provide_cables, provide_damping, show_matrix
@@ -125,4 +125,4 @@ def copied(memory: Any) -> Any:
     """The same named tuple of such tuples and arrays, with copies of its arrays."""
     if not isinstance(memory, tuple):
         return memory
-    return type(memory)(*[one.copy() if isinstance(one, np.ndarray) else copied(one) for one in memory])
+    return type(memory)(*[copy_of(one) if isinstance(one, np.ndarray) else copied(one) for one in memory])

@@ -6,6 +6,7 @@ Columns that follow each other and have the same rows below them are a group: wh
 summed up first, and then done once (J. W. H. Liu, SIAM Review 34 (1992) 82-109: supernodes).
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ from ..compiled import inlined
 from ..sparse import order_of
 
 FEW = 8  # unknowns whose order does not matter
+NOTHING = np.zeros(0)
 
 
 class SparseFactor(NamedTuple):
@@ -43,15 +45,25 @@ def find_order(pairs: np.ndarray, number: int) -> np.ndarray:
 
     pairs: (P, 2) unknowns that meet in an entry.   number: n.
     """
-    if number <= FEW:
-        return np.arange(number)
-    rows, columns = np.concatenate([pairs, pairs[:, ::-1]]).T
-    return order_of(rows, columns, number)
+    return np.arange(number) if number <= FEW else _order_of(pairs.tobytes(), number)
+
+
+@lru_cache(maxsize=16)
+def _order_of(pairs: bytes, number: int) -> np.ndarray:
+    one, other = np.frombuffer(pairs, np.int64).reshape(-1, 2).T
+    return order_of(np.append(one, other), np.append(other, one), number)
 
 
 def build_factor(pairs: np.ndarray, number: int) -> SparseFactor:
     """Zero matrix.   pairs: (P, 2) places of unknowns that meet.   number: n."""
-    columns = _filled(pairs, number)
+    pattern = _pattern_of(pairs.tobytes(), number)
+    return pattern._replace(values=np.zeros(len(pattern.rows)), sums=np.zeros(number))
+
+
+@lru_cache(maxsize=16)
+def _pattern_of(pairs: bytes, number: int) -> SparseFactor:
+    """Without its own memory."""
+    columns = _filled(np.frombuffer(pairs, np.int64).reshape(-1, 2), number)
     sizes = np.array([len(column) for column in columns], dtype=np.int64)
     start = np.concatenate([[0], np.cumsum(sizes)])
     rows = np.fromiter((row for column in columns for row in column), np.int64, start[-1])
@@ -66,12 +78,12 @@ def build_factor(pairs: np.ndarray, number: int) -> SparseFactor:
     return SparseFactor(
         start,
         rows,
-        np.zeros(len(rows)),
+        NOTHING,
         first[of_column],
         first[of_column + 1],
         np.searchsorted(_keys(start, rows), np.concatenate(wanted)),
         first_into[of_column],
-        np.zeros(number),
+        NOTHING,
     )
 
 

@@ -184,7 +184,7 @@ class _Stack:
 
 def _coordinates_of(bodies: Sequence[Body]) -> np.ndarray:
     """Places of all their coordinates, sorted."""
-    return np.unique(np.concatenate([np.zeros(0, int), *(body.coordinates for body in bodies)]))
+    return np.array(sorted({place for body in bodies for place in body.coordinates.tolist()}), dtype=int)
 
 
 def _groups(bodies: Sequence[Body]) -> list[list[Body]]:

@@ -159,6 +159,8 @@ def _random_changes(size: int) -> Array:
 
 def _with_unit_quaternions(rows: JointRows, states: Array) -> Array:
     """The same states (k, 2, n), see `_states`, in which quaternions have, and keep, the norm of one."""
+    if not len(rows.quaternions):
+        return states
     p, rate = np.moveaxis(states[:, :, rows.quaternions], 1, 0)
     p = p + rows.references
     normal = p / np.sqrt((p * p).sum(axis=2, keepdims=True))

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import accumulate, pairwise
 
 import numpy as np
 
@@ -32,7 +32,8 @@ class CoordinateMap:
     """
 
     def __init__(self, size: int, parts: Sequence[PartCoordinates]) -> None:
-        ends = np.cumsum([0, *(len(part.indices) for part in parts)])
+        sizes = [len(part.indices) for part in parts]
+        ends = [0, *accumulate(sizes)]
         self.size = size
         self.indices = np.concatenate([part.indices for part in parts]).astype(int)
         self.reference = np.concatenate([part.reference for part in parts])
@@ -47,7 +48,7 @@ class CoordinateMap:
         self._into = self.indices[self._own]
         self._vector = np.zeros(size)
         self._is_all = np.array_equal(self.indices, np.arange(size))  # in the order of the system vector
-        self._part_of = np.repeat(np.arange(len(parts)), np.diff(ends))
+        self._part_of = np.repeat(np.arange(len(parts)), sizes)
 
     def displacements(self, q: Array) -> list[float]:
         """(size,) system vector of displacements from coordinates (n,)."""

@@ -70,14 +70,16 @@ def _joint(mbs: Any, number: int, data: dict[str, Any], name: str) -> JointItem:
             "an ObjectJointRevolute2D or ObjectJointPrismatic2D, or remove it."
         )
     of_markers = np.array(mbs.systemData.GetObjectLTGODE2(number), dtype=int)
-    coordinates, places = np.unique(of_markers, return_inverse=True)
-    is_once = len(coordinates) == len(of_markers)
+    coordinates, columns = of_markers, None
+    if len(set(of_markers.tolist())) < len(of_markers):
+        coordinates, places = np.unique(of_markers, return_inverse=True)
+        columns = np.eye(len(coordinates))[places]
     return JointItem(
         number=number,
         rows=rows[active],
         active=active,
-        coordinates=of_markers if is_once else coordinates,
-        columns=None if is_once else np.eye(len(coordinates))[places],
+        coordinates=coordinates,
+        columns=columns,
         name=name,
         follows_time=any("UserFunction" in key and isinstance(value, dict) for key, value in data.items()),
         is_linear=data["objectType"] in _LINEAR

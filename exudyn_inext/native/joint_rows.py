@@ -1,12 +1,12 @@
 """The joints of an mbs as rows of one constraint on the parts of a coupled system."""
 
 from collections.abc import Callable, Sequence
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import Any
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, as_slice
 from ..compiled import kernel
 from ..constraints.motion import AHEAD, differences_and_side
 from ..constraints.motion import STEP as STEP_OF_TIME
@@ -50,9 +50,9 @@ class JointRows:
         self._are_linear = all(joint.is_linear for joint in joints)
         self._is_set = False  # the Jacobian of linear joints
         self._equations = np.concatenate([np.zeros(0, int), *(joint.rows for joint in joints)])
-        ends = np.cumsum([0, *(len(joint.rows) for joint in joints)])
-        rows = [np.arange(a, b) for a, b in pairwise(ends)]
-        periods = np.repeat([joint.period for joint in joints], np.diff(ends))
+        sizes = [len(joint.rows) for joint in joints]
+        rows = [np.arange(a, b) for a, b in pairwise([0, *accumulate(sizes)])]
+        periods = np.repeat([joint.period for joint in joints], sizes)
         self._angles = np.flatnonzero(np.isfinite(periods))
         self._periods = periods[self._angles]
         pairs = zip(rows, joints, strict=True)
@@ -67,10 +67,10 @@ class JointRows:
             for own, joint in zip(rows, joints, strict=True)
             if joint.is_angular or joint.is_rolling
         ]
-        self._rolling = np.flatnonzero(np.repeat([joint.is_rolling for joint in joints], np.diff(ends)))
+        self._rolling = np.flatnonzero(np.repeat([joint.is_rolling for joint in joints], sizes))
         self._targets = [
             [
-                (of_parts[part], (np.searchsorted(of_parts[part].rows, own)[:, None], at), columns)
+                (of_parts[part], _places(of_parts[part].rows, own, at), as_slice(columns))
                 for part, columns, at in met
             ]
             for own, met in zip(rows, places, strict=True)
@@ -86,8 +86,10 @@ class JointRows:
     def values(self, mbs: Any, equations: Array) -> Array:
         """(m,) in the current configuration of mbs, from the values of all algebraic equations there."""
         result = equations[self._equations]
-        result[self._angles] -= self._periods * np.round(result[self._angles] / self._periods)
-        result[self._rolling] = 0.0
+        if len(self._angles):
+            result[self._angles] -= self._periods * np.round(result[self._angles] / self._periods)
+        if len(self._rolling):
+            result[self._rolling] = 0.0
         for own, joint in self.sliding:
             result[own] = joint.foot(mbs).distances
         return result
@@ -174,6 +176,12 @@ class JointRows:
             joint.jacobian(mbs)[:, places >= 0] @ v[places[places >= 0]]
             for _, joint, places in self._of_rates
         ]
+
+
+def _places(rows: np.ndarray, own: np.ndarray, at: np.ndarray) -> Any:
+    """Of the rows of a joint, which follow each other, and of columns in the block with these rows."""
+    first = int(np.searchsorted(rows, own[0]))
+    return slice(first, first + len(own)), as_slice(at)
 
 
 def _common(coordinates: np.ndarray, held: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

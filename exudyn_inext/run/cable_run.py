@@ -154,6 +154,7 @@ class CableRun(PacedRun):
 
     def _violations(self, q: Array, v: Array, start: Start) -> tuple[Violation, Violation]:
         """The worst ones, of coordinates and of velocities (n, 2, dim); SceneError if they are too large."""
+        self._table = called(self.system)  # made once for all who call the system by its address
         violations = worst_violations(self.scene_cable, self.system, q, v, start.time)
         require_consistent(self.scene_cable, violations[0], start.tolerance)
         if not math.isfinite(violations[1].size):  # whatever is a number can be projected

@@ -459,8 +459,7 @@ class CoupledRun(LimitedRun):
     def lightest_body(self) -> float:
         """Mass of the lightest one, or of its first coordinate [kg]; 0 if there is none."""
         bodies = self._scene.system.parts[len(self._runs)].system
-        masses = bodies.mass.diagonal()
-        return float(min(masses[np.unique(bodies.bodies)], default=0.0))
+        return float(min(bodies.masses[bodies.bodies], default=0.0))
 
     @property
     def has_implicit_bending(self) -> bool:

@@ -67,8 +67,12 @@ def _correction(way: Array, change: Array) -> StartCorrection:
 
 
 def _violations(system: CoupledSystem, time: float, q: Array, v: Array, tolerance: float) -> str:
-    """What is to be said of the velocities, or nothing; SceneError for what cannot be projected."""
-    terms, solve = system.join(time, q, v), system.solve
+    """What is to be said of the velocities, or nothing; SceneError for what cannot be projected.
+
+    system: has been evaluated there.
+    """
+    terms = system.join(time, q, v) if system.in_one else system.terms
+    solve = system.solve
     speed = max(1.0, float(np.abs(v).max(initial=0.0)))
     rates = (solve.times_jacobian(v) + terms.drift) / speed
     for what, violation in ((PLACES, terms.value), (RATES, rates)):

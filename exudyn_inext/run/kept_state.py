@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..compiled import kernel
-from ..lowered import copy_memory
+from ..lowered import copy_memory, place_of
 
 
 class KeptState:
@@ -30,7 +30,7 @@ class KeptState:
         sizes = self._parts[:, 1]
         ends = np.cumsum(sizes)
         self._copies = np.empty(sizes.sum(), np.uint8)
-        self._there = np.column_stack([self._copies.ctypes.data + ends - sizes, self._parts])
+        self._there = np.column_stack([place_of(self._copies) + ends - sizes, self._parts])
         self._back = self._there[:, [1, 0, 2]].copy()
 
     def another(self) -> "KeptState":
@@ -55,10 +55,10 @@ class KeptState:
 def _parts(array: np.ndarray) -> list[tuple[int, int]]:
     """Addresses and sizes [bytes] of its parts without gaps."""
     if array.flags.c_contiguous:
-        return [(array.ctypes.data, array.nbytes)]
+        return [(place_of(array), array.nbytes)]
     if array.ndim > 1 and not array[0].flags.c_contiguous:
         return [part for row in array for part in _parts(row)]
-    first, step, size = array.ctypes.data, array.strides[0], array.nbytes // len(array)
+    first, step, size = place_of(array), array.strides[0], array.nbytes // len(array)
     return [(first + step * k, size) for k in range(len(array))]
 
 

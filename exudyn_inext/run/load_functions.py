@@ -32,10 +32,13 @@ class LoadFunctions:
     def __init__(self, loads: Sequence[Asked]) -> None:
         self._loads = loads
         self.numbers = np.array([load.number for load in loads], dtype=int)
-        places: dict[Any, int] = {}
-        self._place = [places.setdefault(_key(load), len(places)) for load in loads]
-        _, firsts = np.unique(self._place, return_index=True)
-        self._called = [loads[k].function for k in firsts]
+        called: dict[Any, LoadFunction] = {}
+        keys = list(map(_key, loads))
+        for key, load in zip(keys, loads, strict=True):
+            called.setdefault(key, load.function)
+        places = {key: place for place, key in enumerate(called)}
+        self._place = [places[key] for key in keys]
+        self._called = list(called.values())
         self._scales = np.repeat(np.array([load.function.scale for load in loads], float), self.numbers)
         self._calls = [(one.function, one.mbs, one.value) for one in self._called]
         self._are_alike = len(set(self.numbers.tolist())) == 1

@@ -13,6 +13,7 @@ import scipy
 
 from ..arrays import Array, SparseArray
 from ..compiled import inlined, kernel
+from ..sparse import compressed
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .joints import respond_to_rows
 
@@ -106,8 +107,19 @@ class BodiesSystem:
     @property
     def mass(self) -> SparseArray:
         """(n, n) at present."""
+        present = self._present_mass
+        return present if scipy.sparse.issparse(present) else compressed(present)
+
+    @property
+    def masses(self) -> Array:
+        """(n,) diagonal of the mass at present."""
+        diagonal: Array = self._present_mass.diagonal()
+        return diagonal
+
+    @property
+    def _present_mass(self) -> Any:
         blocks = [MassBlock(*one) for s in self._variable for one in zip(s.dofs, s.mass, strict=True)]
-        return scipy.sparse.csr_array(self._constant_mass + _matrix_of_blocks(self._size, blocks))
+        return self._constant_mass + _matrix_of_blocks(self._size, blocks)
 
     def begin_changes(self) -> None:
         """Count changes from the masses at present on."""

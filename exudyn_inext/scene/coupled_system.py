@@ -53,6 +53,7 @@ class CoupledSystem:
     native_items: what acts on the parts, and joins them, see `native.native_items.NativeItems`.
     zeta: stabilisation rate of the joints [1/s], as of the cables.
     multipliers: nu (m,) of the joints at the last evaluation: M a + C_q^T nu = F.
+    terms: of the joints when they were evaluated last.
     parts: cables, bodies, first order states.   wholes: what of them is evaluated at once.
     states: place of the first order states.
     in_one: evaluates all of them, and the joints, if it is set: see `run.parts_in_one`.
@@ -115,10 +116,10 @@ class CoupledSystem:
 
     def join(self, t: float, q: Array, v: Array) -> JointTerms:
         """Joints at (t, q, v), their Schur complement factorised; the parts are factorised at q."""
-        terms: JointTerms = self.native_items.constrain(t, q, v)
-        self._drift = terms.drift
+        self.terms: JointTerms = self.native_items.constrain(t, q, v)
+        self._drift = self.terms.drift
         self.solve.factorise()
-        return terms
+        return self.terms
 
 
 @index_reduced_rates.register(CoupledSystem)

@@ -143,26 +143,26 @@ def _operators(
     Arguments: see `fastest_rates`.
     """
     evaluate, nothing = Bound(accelerate_and_project, system), np.zeros(len(q))
-    added = added or AddedForces(nothing.copy(), np.zeros_like, np.zeros_like)
-    at_present = -added.damping(v)
+    at_present = -added.damping(v) if added else 0.0
     at_rest = nothing.copy()
     at_rest[states] = v[states]  # flow of oil has no rate at the pressure of its tank
     has_jumps = None
 
-    def accelerated(q: Array, v: Array, force: Array) -> Array:
+    def accelerated(q: Array, v: Array, force: Array | float = 0.0) -> Array:
         """Accelerations, and velocities projected onto the constraints.   force: (n,) added."""
         result = np.zeros((2, len(q)))
-        added.given[:] = force
+        if added:
+            added.given[:] = force
         evaluate(external, q, v, 0.0, result[0], result[1])
         return result
 
-    offset = accelerated(q, nothing, nothing)[1]  # moving supports
+    offset = accelerated(q, nothing)[1]  # moving supports
 
     def projected(v: Array) -> Array:
-        return np.asarray(accelerated(q, v, nothing)[1] - offset)
+        return np.asarray(accelerated(q, v)[1] - offset)
 
     def stiffness(x: Array) -> Array:
-        move, force = STEP * x, STEP * added.stiffness(x)
+        move, force = STEP * x, STEP * added.stiffness(x) if added else 0.0
         before, after = (accelerated(q + s * move, v, at_present - s * force)[0] for s in (-1.0, 1.0))
         return projected(before - after) / (2.0 * STEP)
 
@@ -173,7 +173,7 @@ def _operators(
         nothing jumps then, d(h) is enough from there on.
         """
         nonlocal has_jumps
-        force = added.damping(x)
+        force = added.damping(x) if added else 0.0
 
         def difference(h: float) -> Array:
             before, after = at_rest - h * x, at_rest + h * x

@@ -94,6 +94,17 @@ def test_systems_of_many_cables_share_no_memory():
     assert not np.shares_memory(one.chain.elements, other.chain.elements)
 
 
+def test_systems_of_later_calls_are_as_new():
+    """What they have in common is kept, and what earlier ones do with their memory is not."""
+    cable = various_cables()[0]
+    kept = [records.tobytes() for records in cable_system(cable, ZETA).chain[1:]]
+    for _ in range(3):
+        (system,) = cable_systems([cable], ZETA)
+        for records, expected in zip(system.chain[1:], kept, strict=True):
+            assert records.tobytes() == expected
+            records[:] = np.zeros_like(records)
+
+
 def test_parts_share_the_memory_of_the_whole():
     systems = [cable_system(state.cable, ZETA) for state in states(2, MEASURES[0])]
     ((whole, parts),) = in_few_chains(systems)

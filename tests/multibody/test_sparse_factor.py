@@ -53,6 +53,13 @@ def test_solutions_are_those_of_the_dense_matrix(number, density):
     np.testing.assert_allclose(x, expected, rtol=1e-10, atol=1e-12)
 
 
+def test_factors_of_one_pattern_have_memory_of_their_own():
+    pairs = random_pairs(np.random.default_rng(3), 12, 0.3)
+    one, other = build_factor(pairs, 12), build_factor(pairs, 12)
+    one.values[:], one.sums[:] = 1.0, 1.0
+    assert not other.values.any() and not other.sums.any() and len(other.values) == len(other.rows)
+
+
 def test_a_tree_fills_nothing_and_a_star_is_eliminated_from_its_ends():
     number = 60
     star = np.array([[0, k] for k in range(1, number)] + [[k, k] for k in range(number)])

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...arrays import Array, collected
+from ...arrays import Array, collected, copies_of
 from ...items.attach.clamp_to_body import Clamp
 from ...items.attach.shared_node import SameSlope
 from ...items.functions_of_steps import FunctionsOfSteps
@@ -24,6 +24,7 @@ from .unknown import UnknownItemError, require_no_functions
 X, Y, Z = range(3)
 _ROW = np.zeros(1, ROW)[0]
 _ROW["factor"], _ROW["entry"], _ROW["functions"], _ROW["turning"] = 1.0, -1, -1, -1
+_new_row = copies_of(_ROW)
 _OFFSETS = {"ConnectorCoordinate": "offset", "ConnectorDistance": "distance"}
 _MOVED = (DIFFERENCE, ALONG, ACROSS, DISTANCE)  # kinds of rows that have offsets
 
@@ -41,7 +42,7 @@ class _Joint:
     is_moved: bool = False
 
     def row(self, kind: int, **fields: Any) -> Any:
-        row = _ROW.copy()
+        row = _new_row()
         row["points"] = [place.point for place in self.places]
         row["kind"] = kind
         for name, value in fields.items():

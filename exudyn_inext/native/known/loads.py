@@ -4,6 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...arrays import copies_of
 from ...items.load_items import course_of
 from ...multibody.loads import LOAD, NONE
 from ...run.load_functions import Asked
@@ -13,6 +14,7 @@ from .unknown import UnknownItemError
 
 _LOAD = np.zeros(1, LOAD)[0]
 _LOAD["function"] = NONE
+_new_load = copies_of(_LOAD)
 
 
 class KnownLoad(NamedTuple):
@@ -51,7 +53,7 @@ def read_load(mbs: Any, number: int, reader: PointReader, follows_state: bool = 
 
 def _placed(data: dict[str, Any], name: str, mbs: Any, reader: PointReader) -> tuple[Any, float]:
     """A record without values, and what to multiply these with."""
-    record = _LOAD.copy()
+    record = _new_load()
     kind, scale = data["loadType"], 1.0
     place: Place = reader.marker(int(data["markerNumber"]))
     if kind == "TorqueVector" and not place.has_frame:

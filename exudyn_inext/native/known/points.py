@@ -1,12 +1,12 @@
 """Markers as points: of the ground, of bodies, of cables."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...arrays import Array, collected
+from ...arrays import Array, collected, copies_of
 from ...element.shape_functions import first_derivatives, shape_functions
 from ...items.arguments import described
 from ...items.attach.inert import is_inert_cable
@@ -40,6 +40,7 @@ _WITH_DATA = {"ConnectorTorsionalSpringDamper", "ConnectorCoordinateSpringDamper
 _ALONG = np.eye(3)
 _POINT = np.zeros(1, POINT)[0]
 _POINT["orientation"] = _ALONG
+_new_point = copies_of(_POINT)
 
 
 class PointReader:
@@ -315,7 +316,7 @@ class PointReader:
         return self._add(point, has_frame=True)
 
     def _weighted(self, first: int, dim: int, weights: list[float]) -> Place:
-        point = _on_axis(dim, *weights).copy()
+        point = _points_on_axis(dim, *weights)()
         point["first"] = first
         return self._add(point)
 
@@ -379,17 +380,17 @@ def _centre(body: Any) -> Array:
 
 
 def _new(kind: int, first: int = 0, width: int = 0) -> Any:
-    point = _POINT.copy()
+    point = _new_point()
     point["kind"], point["first"], point["width"] = kind, first, width
     return point
 
 
 @lru_cache(maxsize=64)
-def _on_axis(dim: int, *weights: float) -> Any:
-    """A point on the axis of a cable, by these weights of its coordinates; the first one is not set."""
+def _points_on_axis(dim: int, *weights: float) -> Callable[[], Any]:
+    """Makes points on the axis of a cable, by these weights of its coordinates; the first one is not set."""
     point = _new(ON_CABLE, width=len(weights) * dim)
     point["dimension"] = dim
     point["weights"][: len(weights)] = weights
     for k, weight in enumerate(weights):
         point["along"][:dim, k * dim : (k + 1) * dim] = weight * _ALONG[:dim, :dim]
-    return point
+    return copies_of(point)
