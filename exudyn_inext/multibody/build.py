@@ -69,7 +69,7 @@ def build_scene(
     acting = known.connectors, known.linear_forces, known.loads, known.contacts
     trees = trees_of(known.links, known.bodies, known.points)
     records = known.bodies, known.links, trees, known.points, known.sliders, *acting
-    ramps = ramps_of(known.connectors, known.linear_forces, known.loads)
+    ramps = ramps_of(known.connectors, known.linear_forces, known.loads, known.points)
     items = Items(*records, ramps, joints, force, given, predicted, path, np.zeros(2, np.int64))
     number = places[-1].stop if places else 0
     ahead = np.repeat(cables.inputs[:-1] - cables.dofs[:-1], np.diff(cables.dofs))  # motions of those before

@@ -1,4 +1,4 @@
-"""Numbers of springs and loads that change along a line while steps are taken."""
+"""Numbers of springs, loads and their points that change along a line while steps are taken."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -8,11 +8,11 @@ import numpy as np
 from ..arrays import Array
 from ..compiled import inlined
 
-CONNECTORS, LINEAR_FORCES, LOADS = range(3)
+CONNECTORS, LINEAR_FORCES, LOADS, POINTS = range(4)
 
 
 class Ramps(NamedTuple):
-    """connectors, linear_forces, loads: all numbers of these records, in place.
+    """connectors, linear_forces, loads, points: all numbers of these records, in place.
 
     number: (1,) of those that change.   kind, place: (K,) of which records, and where among them.
     before, value: (K,) at the start, and at the end.
@@ -21,6 +21,7 @@ class Ramps(NamedTuple):
     connectors: Array
     linear_forces: Array
     loads: Array
+    points: Array
     number: np.ndarray
     kind: np.ndarray
     place: np.ndarray
@@ -28,12 +29,12 @@ class Ramps(NamedTuple):
     value: Array
 
 
-def ramps_of(connectors: Any, linear_forces: Any, loads: Any) -> Ramps:
-    """None yet, of these records."""
-    of_springs, of_matrices, of_loads = (own.view(np.float64) for own in (connectors, linear_forces, loads))
+def ramps_of(*records: Any) -> Ramps:
+    """None yet.   records: connectors, linear forces, loads, points."""
+    connectors, linear_forces, loads, points = (own.view(np.float64) for own in records)
     (kind, place), (before, value) = np.zeros((2, 0), np.int64), np.zeros((2, 0))
     number = np.zeros(1, np.int64)
-    return Ramps(of_springs, of_matrices, of_loads, number, kind, place, before, value)
+    return Ramps(connectors, linear_forces, loads, points, number, kind, place, before, value)
 
 
 def with_ramps(ramps: Ramps, found: Sequence[tuple[int, Any, Any, Any]]) -> Ramps:
@@ -66,5 +67,7 @@ def follow_ramps(ramps, functions):
             ramps.connectors[ramps.place[k]] = value
         elif ramps.kind[k] == LINEAR_FORCES:
             ramps.linear_forces[ramps.place[k]] = value
-        else:
+        elif ramps.kind[k] == LOADS:
             ramps.loads[ramps.place[k]] = value
+        else:
+            ramps.points[ramps.place[k]] = value

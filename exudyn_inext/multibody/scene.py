@@ -162,8 +162,8 @@ def act(items, functions, q, v, a):
 
     Where a step has one evaluation, at its end, contact settles there: what closes within a step acts in it.
     """
-    _place(items, q, v)
     follow_ramps(items.ramps, functions)
+    _place(items, q, v)
     for i in range(len(items.force)):
         items.force[i] = items.given[i]
     settles = items.counting[MODE] == EACH or items.counting[MODE] == SETTLING

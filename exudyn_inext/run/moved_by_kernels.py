@@ -175,6 +175,9 @@ class MovedByKernels(Mover):
     def has_same_entries(self, number: int) -> bool:
         return self._form.numbers.has_same_entries(number)
 
+    def moves_springs_alone(self, markers: Collection[int], objects: Collection[int]) -> bool:
+        return self._form.numbers.moves_springs_alone(markers, objects)
+
     def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> set[int] | None:
         return self._form.numbers.joints_to_move(markers, objects)
 

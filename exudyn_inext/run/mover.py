@@ -108,6 +108,13 @@ class Mover:
         """Whether matrices of an object are zero where they were, or nothing depends on that."""
         return True
 
+    def moves_springs_alone(self, markers: Collection[int], objects: Collection[int]) -> bool:
+        """Whether these markers may get other places as springs and loads do other values.
+
+        objects: that act on the markers.
+        """
+        return False
+
     def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> set[int] | None:
         """Those that have to be built as moved ones before these markers may get other places.
 

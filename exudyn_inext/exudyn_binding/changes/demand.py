@@ -101,6 +101,8 @@ def _demand_of_place(mbs: Any, coupled: Sequence[CoupledRun], own: Collection[in
         return Demand.READ
     users = {number for marker in markers for number in objects_at(mbs, marker)}
     others = users.difference(own)
+    if users == others and all(run.mover.moves_springs_alone(markers, users) for run in coupled):
+        return Demand.EVALUATE
     missing = [run.mover.joints_to_move(markers, others) for run in coupled]
     if None in missing:
         return Demand.READ

@@ -143,6 +143,10 @@ class PointReader:
         known = self._known.get(number)
         return known is None or self._points[known.point]["kind"] in (FIXED, ON_BODY)
 
+    def place_of(self, number: int) -> Place | None:
+        """Of a marker; None if nothing depends on it."""
+        return self._known.get(number)
+
     def place_again(self, number: int, memories: Sequence[Any]) -> None:
         """A marker on the ground or a body has another place.   memories: records that systems hold now."""
         if number not in self._known:

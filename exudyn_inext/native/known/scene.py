@@ -16,7 +16,8 @@ from ...multibody.build import KnownItems
 from ...multibody.connectors import CONNECTOR
 from ...multibody.linear_forces import LINEAR_FORCE
 from ...multibody.loads import LOAD, NONE
-from ...multibody.ramps import CONNECTORS, LINEAR_FORCES, LOADS
+from ...multibody.points import POINT
+from ...multibody.ramps import CONNECTORS, LINEAR_FORCES, LOADS, POINTS
 from ...multibody.scene import Items
 from ...run.compiled_scene import ChangedItem
 from ...run.load_functions import Asked
@@ -186,11 +187,18 @@ class KnownNumbers:
             return False
         return all(self._forces[load][1].function is None for load in self._weights.get(number, ()))
 
+    def moves_springs_alone(self, markers: Collection[int], objects: Collection[int]) -> bool:
+        """See `Mover.moves_springs_alone`."""
+        return self._springs.keys() >= set(objects) and self._are_placeable(markers)
+
+    def _are_placeable(self, markers: Collection[int]) -> bool:
+        """Whether the points of markers may be placed again."""
+        return all(map(self._reader.is_placeable, markers)) and not self._mbs.NumberOfGeneralContacts()
+
     def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> set[int] | None:
         """See `Mover.joints_to_move`."""
         joints = set(objects) - self._springs.keys()
-        can = joints <= self._movable and all(map(self._reader.is_placeable, markers))
-        if not can or self._mbs.NumberOfGeneralContacts():
+        if not (joints <= self._movable and self._are_placeable(markers)):
             return None
         return joints.difference(self.moved.joints)
 
@@ -248,6 +256,10 @@ class KnownNumbers:
         elif kind == "Object" and number in self._on_trees and name in ACTING:
             springs, loads, _ = self._on_trees[number]
             found = [(CONNECTORS, CONNECTOR, springs), (LOADS, LOAD, loads)]
+        else:
+            markers = self._markers_placed_by(Parameter(*item)) or ()
+            places = filter(None, map(self._reader.place_of, markers))
+            found = [(POINTS, POINT, _one((place.point, place))) for place in places]
         sizes = [(kind, record.itemsize // 8, own) for kind, record, own in found]
         return [(kind, (size * own.start, size * own.stop)) for kind, size, own in sizes]
 
