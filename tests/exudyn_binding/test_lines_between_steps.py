@@ -47,10 +47,13 @@ class Scene:
             ends = [mbs.AddMarker(MarkerBodyPosition(bodyNumber=k)) for k in (ground, body)]
             nothing = {"springForceUserFunction": lambda mbs, t, item, u, v, k, d, o: [0.0, -u[1], 0.0]}
             mbs.AddObject(CartesianSpringDamper(markerNumbers=ends, **nothing))
-        getattr(self, "_pull_by_spring" if what == "spring" else "_pull")(tip, ground, how)
+        if what in ("spring", "marker"):
+            self._pull_by_spring(tip, ground, how, what)
+        else:
+            self._pull(tip, how)
         mbs.Assemble()
 
-    def _pull(self, tip, ground, how):
+    def _pull(self, tip, how):
         asked = (
             {"loadVectorUserFunction": lambda mbs, t, load: [0.5 * wave(t), 0, 0]} if how == "asked" else {}
         )
@@ -59,7 +62,7 @@ class Scene:
         if how == "set":
             self._before_steps(lambda t: self.mbs.SetLoadParameter(load, "loadVector", [0.5 * wave(t), 0, 0]))
 
-    def _pull_by_spring(self, tip, ground, how):
+    def _pull_by_spring(self, tip, ground, how, what):
         def law(mbs, t, item, u, v, k, d, o):
             return [20.0 * (u[0] - 0.1 * wave(t)) + v[0], 0.0, 0.0]
 
@@ -67,9 +70,11 @@ class Scene:
         ends = [self.mbs.AddMarker(MarkerBodyPosition(bodyNumber=ground)), tip]
         values = {"stiffness": [20, 0, 0], "damping": [1, 0, 0]}
         spring = self.mbs.AddObject(CartesianSpringDamper(markerNumbers=ends, **values, **asked))
-        self.get = lambda: self.mbs.GetObjectParameter(spring, "offset")[0] / 0.1
-        if how == "set":
+        if how == "set" and what == "spring":
             self._before_steps(lambda t: self.mbs.SetObjectParameter(spring, "offset", [0.1 * wave(t), 0, 0]))
+        elif how == "set":
+            place = ends[0], "localPosition"
+            self._before_steps(lambda t: self.mbs.SetMarkerParameter(*place, [0.1 * wave(t), 0, 0]))
 
     def _before_steps(self, put):
         def before(mbs, t):
@@ -100,7 +105,8 @@ def errors(what, evaluated, steps_and_substeps, **explicit):
 
 
 @pytest.mark.parametrize(
-    "what, evaluated", [("alone", False), ("force", False), ("force", True), ("spring", False)]
+    "what, evaluated",
+    [("alone", False), ("force", False), ("force", True), ("spring", False), ("marker", False)],
 )
 def test_values_that_are_set_act_with_second_order_in_the_step_of_the_loop(what, evaluated):
     coarse, fine = errors(what, evaluated, [(25, 8), (50, 4)])
