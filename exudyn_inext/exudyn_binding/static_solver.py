@@ -61,17 +61,12 @@ def hint(scene_cable: CableInScene, q: Array, time: float) -> str:
             "length, so that it is about to turn inside out: let it be stiffer along its axis, or start "
             "nearer to the equilibrium"
         )
-    if folded := _fold(scene_cable, q, time):
+    if folded := fold_of(scene_cable, q, time):
         return folded
     if not cable.stretches and (taut := _taut(cable, time)):
         ends = " and ".join(str(names[k]) for k in taut)
         return f"cable '{scene_cable.name}' is straight between the supports of nodes {ends}, {NO_TENSION}"
     return ""
-
-
-def _fold(cable: CableInScene, q: Array, time: float) -> str:
-    """See `fold_of`."""
-    return fold_of(cable, q, float(np.linalg.norm(CableLoads(cable).gravity_at(time), axis=1).max()))
 
 
 def _taut(cable: Cable, time: float) -> tuple[int, ...]:
@@ -355,7 +350,7 @@ def _warn_of_stretch(
 
 def _warn_of_folds(cables: Sequence[CableInScene], found: Sequence[Equilibrium], time: float) -> None:
     """Of the first cable that rests in a shape of coarse elements alone."""
-    folds = (_fold(cable, one.q, time) for cable, one in zip(cables, found, strict=False))
+    folds = (fold_of(cable, one.q, time) for cable, one in zip(cables, found, strict=False))
     if said := next(filter(None, folds), ""):
         warnings.warn(f"{said}.", stacklevel=4)
 
