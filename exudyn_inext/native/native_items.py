@@ -418,13 +418,14 @@ def _compare(x, y):
 
 @contextmanager
 def state_kept(mbs: Any) -> Iterator[None]:
-    """The current state of mbs is afterwards what it was before."""
+    """The current state of mbs is afterwards what it was before, with its accelerations."""
     data, current = mbs.systemData, exudyn.ConfigurationType.Current
-    state, time = data.GetSystemState(current), data.GetTime()
+    state, time, accelerations = data.GetSystemState(current), data.GetTime(), data.GetODE2Coordinates_tt()
     try:
         yield
     finally:
         data.SetSystemState(state, current)
+        data.SetODE2Coordinates_tt(accelerations, current)
         data.SetTime(time)
 
 

@@ -66,7 +66,10 @@ def constraint_on(mbs, node, kind):
 def test_the_section_force_at_an_end_is_that_of_its_joint(mbs, solve, scene):
     made, _ = built(mbs, scene)
     solve(mbs, settings=quiet_settings(0.2, 20))
+    accelerations = mbs.systemData.GetODE2Coordinates_tt()
     forces = CableForces(mbs, made["cables"][0], [0.0])
+    assert np.array_equal(mbs.systemData.GetODE2Coordinates_tt(), accelerations)
+    assert np.abs(accelerations).max() > 1.0
     kind = "JointRevolute2D" if scene is slider_crank else "JointSpherical"
     joint = constraint_on(mbs, made["cables"][0]["nodes"][0], kind)
     on_cable = np.linalg.norm(np.array(mbs.GetObjectOutput(joint, FORCE))[:3])
