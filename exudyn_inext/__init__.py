@@ -36,6 +36,7 @@ from .items.enforcement.penalty_mass import PenaltyMass
 from .items.enforcement.projection import Projection
 from .items.explicit_traps import WarnOfExplicitTraps
 from .items.prescribed_motion import CreatePrescribedMotion
+from .items.replace_native import ReplaceNativeCables
 from .items.shape import CableShape
 from .items.template import InextensibleCable
 from .run.settings import ExplicitSettings
@@ -73,6 +74,7 @@ __all__ = [
     "Projection",
     "Rattle",
     "RedundantConstraintError",
+    "ReplaceNativeCables",
     "RungeKutta4",
     "SceneError",
     "SetCableDrag",

@@ -128,17 +128,18 @@ def read_scene(mbs: Any, read: Callable[..., Constraint | None] = read_constrain
 
 
 def _contents(mbs: Any, read: Callable[..., Constraint | None]) -> Contents:
-    contents, on_cables = Contents(), set[int]()
-    for number in range(mbs.systemData.NumberOfObjects()):
-        data = mbs.GetObject(number)
-        require_none_connected(mbs, number, data, contents.mass_points)
-        item = find_cable_item(data)
-        if item is not None:
+    contents, objects = Contents(), [mbs.GetObject(k) for k in range(mbs.systemData.NumberOfObjects())]
+    for number, data in enumerate(objects):
+        if (item := find_cable_item(data)) is not None:
             _require_no_matrices(item, data)
             contents.items[number] = item
             contents.names[number] = data["name"]
-            on_cables.update(item.nodes)
-        elif (constraint := read(mbs, number, data)) is not None:
+    on_cables = {node for item in contents.items.values() for node in item.nodes}
+    for number, data in enumerate(objects):
+        require_none_connected(mbs, number, data, contents.mass_points)
+        if number in contents.items:
+            continue
+        if (constraint := read(mbs, number, data)) is not None:
             contents.constraints[number] = constraint
         elif belongs_to_a_cable(data):
             contents.enforcing.append(number)

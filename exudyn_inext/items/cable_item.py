@@ -157,18 +157,7 @@ def CreateInextensibleCable(
     shared = _shared_nodes(mbs, way, (nodeNumberStart, nodeNumberEnd), (shareSlopeStart, shareSlopeEnd))
     in_space = isinstance(beamTemplate, ObjectANCFCable) or any(one.dimension == 3 for one in shared.values())
     dim = _dimension(3 if in_space and dimension is None else dimension, checked, gravity_vector)
-    number = len(checked.lengths)
-    cable = Cable(
-        reference=np.ascontiguousarray(checked.q[:, :, :dim]),
-        element_lengths=checked.lengths,
-        section=template.section(dim),
-        measure=template.measure(),
-        length_constraints=template.length_constraints(number),
-        fixed=np.zeros((number + 1, 2), dtype=bool),
-        closed=checked.closed,
-        straight_lengths=checked.straight_lengths,
-    )
-    _require_plane_curves(cable)
+    cable = cable_of(template, checked, dim)
     for name, given in (("groundConstraints", groundConstraintsEnd), ("nodeNumber", nodeNumberEnd)):
         if checked.closed and given is not None:
             raise InputError(
@@ -186,6 +175,27 @@ def CreateInextensibleCable(
     item.left_out = stiffness_left_out(beamTemplate, template)
     add_user_forces(mbs, item, template, functions)
     return made
+
+
+def cable_of(template: InextensibleCable, shape: CheckedShape, dimension: int) -> Cable:
+    """A cable of that shape, without supports.
+
+    Raises:
+        InputError: a number of the template out of range, or what cables in space do not have.
+    """
+    number = len(shape.lengths)
+    cable = Cable(
+        reference=np.ascontiguousarray(shape.q[:, :, :dimension]),
+        element_lengths=shape.lengths,
+        section=template.section(dimension),
+        measure=template.measure(),
+        length_constraints=template.length_constraints(number),
+        fixed=np.zeros((number + 1, 2), dtype=bool),
+        closed=shape.closed,
+        straight_lengths=shape.straight_lengths,
+    )
+    _require_plane_curves(cable)
+    return cable
 
 
 def _shared_nodes(
@@ -313,6 +323,18 @@ def _add_items(
     held_within = np.zeros_like(held) if way.supports_are_objects else held
     known_as = {int(nodes[k]): node.number for k, node in shared.items() if node.has_slope}
     item = CableItem(cable, gravity, tuple(map(int, nodes)), way.name, held_within, known_as)
+    made = add_object(mbs, item, way)
+    if way.supports_are_objects:
+        made["constraintObjects"] += _add_ground_constraints(mbs, made["nodes"], held)
+    for k, node in shared.items():
+        made["constraintObjects"] += node.join(mbs, nodes[k], cable.reference[k, 1])
+    made["constraintObjects"] += way.add_constraints(mbs, made["elements"][0], item, own_held)
+    return item, made
+
+
+def add_object(mbs: Any, item: CableItem, way: Enforcement) -> dict[str, Any]:
+    """Add the object of a cable on nodes that exist; returns what `CreateInextensibleCable` does."""
+    nodes = [NodeIndex(number) for number in item.nodes]
     element = mbs.AddObject(
         ObjectGenericODE2(
             nodeNumbers=nodes,
@@ -321,15 +343,11 @@ def _add_items(
         )
     )
     remember_nodes(mbs, nodes, element)
-    given = [NodeIndex(number) for number in item.given_nodes]
-    constraints = _add_ground_constraints(mbs, given, held) if way.supports_are_objects else []
-    for k, node in shared.items():
-        constraints += node.join(mbs, nodes[k], cable.reference[k, 1])
-    return item, {
-        "nodes": given,
+    return {
+        "nodes": [NodeIndex(number) for number in item.given_nodes],
         "elements": [element],
-        "nodePositions": [[*q[0].tolist(), 0.0][:3] for q in cable.reference[:count]],
-        "constraintObjects": constraints + way.add_constraints(mbs, element, item, own_held),
+        "nodePositions": [[*q[0].tolist(), 0.0][:3] for q in item.cable.reference[: len(nodes)]],
+        "constraintObjects": [],
         "loads": [],
     }
 

@@ -133,6 +133,11 @@ def _companions_by_nodes(mbs: Any) -> dict[tuple[int, ...], int]:
     return found
 
 
+def forget_companions(mbs: Any) -> None:
+    """Look at all objects again, as native cables became companions."""
+    _known.pop(mbs, None)
+
+
 def _add_companion(mbs: Any, item: CableItem, nodes: tuple[int, int], length: float, show: bool) -> int:
     planar = item.cable.dimension == 2
     element, drawing = (

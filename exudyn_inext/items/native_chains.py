@@ -1,0 +1,108 @@
+"""Native ANCF cable elements of an mbs in the rows that they form."""
+
+from collections import defaultdict
+from collections.abc import Container, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from exudyn.itemInterface import ObjectANCFCable, ObjectANCFCable2D
+
+from ..arrays import Array
+from .attach.inert import INERT
+from .shape import CableShape
+
+_PROPERTIES = (*INERT, "referenceAxialStrain", "referenceCurvature", "strainIsRelativeToReference")
+FUNCTIONS = "axialForceUserFunction", "bendingMomentUserFunction"
+_TEMPLATES = {"ANCFCable2D": ObjectANCFCable2D, "ANCFCable": ObjectANCFCable}
+
+Elements = Mapping[int, dict[str, Any]]  # what mbs.GetObject(number) returns
+
+
+@dataclass(frozen=True, eq=False)
+class NativeChain:
+    """Elements of the same section, each of which begins at the node where the one before it ends.
+
+    elements: their numbers.   nodes: theirs, one more; without the last one if `closed`, which is the first.
+    template: of their section.   lengths: of each element [m].
+    """
+
+    elements: tuple[int, ...]
+    nodes: tuple[int, ...]
+    template: ObjectANCFCable2D | ObjectANCFCable
+    lengths: tuple[float, ...]
+    closed: bool
+
+    @property
+    def dimension(self) -> int:
+        return 2 if isinstance(self.template, ObjectANCFCable2D) else 3
+
+    @property
+    def name(self) -> str:
+        first, last = self.elements[0], self.elements[-1]
+        return f"native elements {first} to {last}" if first != last else f"native element {first}"
+
+    def shape(self, mbs: Any, length_reference: str) -> CableShape:
+        """In the reference configuration."""
+        reference = [mbs.GetNodeParameter(node, "referenceCoordinates") for node in self.nodes]
+        q: Array = np.reshape(reference, (-1, 2, self.dimension))
+        return CableShape(
+            q[:, 0], q[:, 1], list(self.lengths), closed=self.closed, lengthReference=length_reference
+        )
+
+
+def native_chains(elements: Elements, ends: Container[int]) -> list[NativeChain]:
+    """The rows of these elements, in the order of their first ones.
+
+    A row goes on through a node where one element ends and one of the same section begins, and no other one
+    is about; else it ends there.   ends: nodes where rows end in any case.
+    """
+    after = _followers(elements, ends)
+    followed = set(after.values())
+    rows = [_row(number, after) for number in elements if number not in followed]
+    left = set(elements).difference(*rows)
+    rings = []
+    while left:
+        rings.append(_row(min(left), after))
+        left.difference_update(rings[-1])
+    chains = [_chain(elements, row, closed=False) for row in rows]
+    chains += [_chain(elements, ring, closed=True) for ring in rings]
+    return sorted(chains, key=lambda chain: chain.elements)
+
+
+def _followers(elements: Elements, breaks: Container[int]) -> dict[int, int]:
+    """The element that goes on where an element ends, by its number."""
+    starts, ends = defaultdict(list), defaultdict(list)
+    for number, data in elements.items():
+        first, last = map(int, data["nodeNumbers"])
+        starts[first].append(number)
+        ends[last].append(number)
+    through = [node for node in ends if len(ends[node]) == len(starts[node]) == 1 and node not in breaks]
+    pairs = [(ends[node][0], starts[node][0]) for node in through]
+    return {one: other for one, other in pairs if _section(elements[one]) == _section(elements[other])}
+
+
+def _section(data: dict[str, Any]) -> list[Any]:
+    names = (*_PROPERTIES, *FUNCTIONS)
+    return [data["objectType"], *(_value(data[name]) for name in names if name in data)]
+
+
+def _value(value: Any) -> Any:
+    """A user function as an argument of a template; another value as it is."""
+    return value["function"] if isinstance(value, dict) else value
+
+
+def _row(first: int, after: Mapping[int, int]) -> list[int]:
+    numbers = [first]
+    while (number := after.get(numbers[-1], first)) != first:
+        numbers.append(number)
+    return numbers
+
+
+def _chain(elements: Elements, numbers: list[int], closed: bool) -> NativeChain:
+    row = [elements[number] for number in numbers]
+    names = [name for name in (*_PROPERTIES, *FUNCTIONS) if name in row[0]]
+    template = _TEMPLATES[row[0]["objectType"]](**{name: _value(row[0][name]) for name in names})
+    nodes = [int(row[0]["nodeNumbers"][0]), *(int(data["nodeNumbers"][1]) for data in row)]
+    lengths = tuple(float(data["length"]) for data in row)
+    return NativeChain(tuple(numbers), tuple(nodes[: len(nodes) - closed]), template, lengths, closed)

@@ -1,0 +1,161 @@
+"""ReplaceNativeCables: cables in the place of the native ANCF elements of an mbs, on the same nodes."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from exudyn.itemInterface import NodePoint2DSlope1, NodePointSlope1
+
+from ..cable.cable import Cable
+from ..checks import require_flag
+from ..errors import InputError
+from ..scene.model import CableItem
+from .arguments import object_number, require_system
+from .attach.companions import forget_companions
+from .attach.inert import ANCF_CABLES, INERT, is_inert_cable
+from .attach.shared_node import find_shared_node
+from .attach.user_forces import add_user_forces, user_forces_of
+from .cable_data import find_cable_item
+from .cable_item import add_object, cable_of
+from .enforcement import find_enforcement
+from .native_chains import FUNCTIONS, Elements, NativeChain, native_chains
+from .shape import check_shape
+from .template import InextensibleCable, stiffness_left_out
+
+
+def ReplaceNativeCables(mbs: Any, extensible: bool = True, objectNumbers: Any = None) -> list[dict[str, Any]]:
+    """Let cables of this package take the place of native ANCF elements, so that SolveExplicit moves them.
+
+    A script that builds ObjectANCFCable2D or ObjectANCFCable, in whatever way, needs this one line before
+    mbs.Assemble(). Elements of the same section in a row become one cable on their nodes. They stay in mbs
+    without mass and stiffness, as companions (see `CreateCompanionCables`): markers, loads, sensors, sliding
+    joints and contact that were put on them act on the cable now. Sensors of their section forces and
+    energies show zero, of which a warning tells; `CreateCableForceSensor` and `CreateCableEnergySensor` take
+    the returned dicts. Where elements branch, or the section changes, cables share a node.
+
+    Args:
+        mbs: the system, with all of its elements; call mbs.Assemble() afterwards.
+        extensible: whether the cables have the axial stiffness, axial damping and reference strain of the
+            elements; otherwise they keep their length.
+        objectNumbers: of the elements that are replaced; None: all of mbs.
+
+    Returns:
+        for each cable a dict as of CreateInextensibleCable: 'nodes', 'elements' (its object),
+        'nodePositions', 'constraintObjects' (joints of shared nodes), 'loads' (none).
+
+    Raises:
+        InputError: no such element, or one without counterpart, see `InextensibleCable` and `CableShape`;
+            mbs is unchanged then.
+
+    Example:
+        GenerateStraightLineANCFCable2D(mbs, [0, 0, 0], [1, 0, 0], 8, template, [0, -9.81, 0], [1, 1, 0, 0])
+        cables = ReplaceNativeCables(mbs)
+        mbs.Assemble()
+        SolveExplicit(mbs, simulationSettings)
+    """
+    require_system(mbs)
+    stretches = require_flag("extensible", extensible)
+    taken = _nodes_of_cables(mbs)
+    chains = native_chains(_elements(mbs, objectNumbers), taken)
+    made = [_add(mbs, new, taken) for new in [_replacement(mbs, chain, stretches) for chain in chains]]
+    forget_companions(mbs)
+    return made
+
+
+def _elements(mbs: Any, given: Any) -> Elements:
+    """Native elements with mass or stiffness by their numbers."""
+    count = mbs.systemData.NumberOfObjects()
+    if given is None:
+        numbers: Sequence[int] = range(count)
+    else:
+        numbers = [object_number(number) for number in given]
+    objects = {number: mbs.GetObject(number) for number in numbers if 0 <= number < count}
+    found = {
+        number: data
+        for number, data in objects.items()
+        if data["objectType"] in ANCF_CABLES and not is_inert_cable(data)
+    }
+    if wrong := [number for number in numbers if number not in found] if given is not None else []:
+        raise InputError(
+            f"objectNumbers = {given!r}: object {wrong[0]} of mbs is no ObjectANCFCable2D or ObjectANCFCable "
+            "with a mass; give numbers of such elements, or None for all of them."
+        )
+    if not found:
+        raise InputError(
+            "mbs has no ObjectANCFCable2D or ObjectANCFCable with a mass that could be replaced: call "
+            "ReplaceNativeCables after they were added, and once."
+        )
+    return found
+
+
+def _nodes_of_cables(mbs: Any) -> set[int]:
+    objects = (mbs.GetObject(number) for number in range(mbs.systemData.NumberOfObjects()))
+    items = (find_cable_item(data) for data in objects)
+    return {node for item in items if item is not None for node in item.nodes}
+
+
+@dataclass(frozen=True, eq=False)
+class _Replacement:
+    """A cable in the place of a chain, before anything is changed.
+
+    section: of the cable.   functions: see `user_forces_of`.
+    """
+
+    chain: NativeChain
+    section: InextensibleCable
+    cable: Cable
+    functions: dict[str, Any]
+
+
+def _replacement(mbs: Any, chain: NativeChain, stretches: bool) -> _Replacement:
+    """Raises InputError if there is none."""
+    try:
+        section = InextensibleCable.from_template(chain.template, stretches)
+        shape = check_shape(chain.shape(mbs, "straight" if stretches else "shape"), stretches)
+        functions = user_forces_of(chain.template, section, chain.dimension)
+        return _Replacement(chain, section, cable_of(section, shape, chain.dimension), functions)
+    except InputError as error:
+        raise InputError(f"{chain.name}: {error}") from None
+
+
+def _add(mbs: Any, new: _Replacement, taken: set[int]) -> dict[str, Any]:
+    """Add the cable, and let the elements be its companions.   taken: nodes of cables, changed in place."""
+    nodes, joined = list(new.chain.nodes), {}
+    for place in () if new.chain.closed else (0, -1):
+        if nodes[place] in taken:
+            joined[place] = nodes[place]
+            nodes[place] = _copied_node(mbs, nodes[place])
+        taken.add(nodes[place])
+    way, cable = find_enforcement("projection"), new.cable
+    shared = {nodes[place]: node for place, node in joined.items()}
+    no_gravity, free = np.zeros(cable.dimension), np.zeros(cable.reference.shape, dtype=bool)
+    item = CableItem(cable, no_gravity, tuple(nodes), way.name, free, shared)
+    item.left_out = stiffness_left_out(new.chain.template, new.section)
+    made = add_object(mbs, item, way)
+    taken.update(nodes)
+    for place, node in joined.items():
+        other = find_shared_node(mbs, "End" if place else "Start", node, True)
+        made["constraintObjects"] += other.join(mbs, nodes[place], cable.reference[place, 1])
+    for element, pair in zip(new.chain.elements, pairwise(item.node_names), strict=True):
+        _make_companion(mbs, element, pair)
+    add_user_forces(mbs, item, new.section, new.functions)
+    return made
+
+
+def _copied_node(mbs: Any, node: int) -> int:
+    """A new node in the same state; its number."""
+    data = mbs.GetNode(node)
+    node_type = NodePoint2DSlope1 if data["nodeType"] == "Point2DSlope1" else NodePointSlope1
+    names = "referenceCoordinates", "initialCoordinates", "initialVelocities"
+    return int(mbs.AddNode(node_type(**{name: list(data[name]) for name in names})))
+
+
+def _make_companion(mbs: Any, element: int, nodes: tuple[int, int]) -> None:
+    mbs.SetObjectParameter(element, "nodeNumbers", list(nodes))
+    for name in INERT:
+        mbs.SetObjectParameter(element, name, 0.0)
+    for name in FUNCTIONS:
+        if mbs.GetObject(element).get(name):
+            mbs.SetObjectParameter(element, name, 0)
