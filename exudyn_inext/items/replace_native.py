@@ -15,7 +15,7 @@ from ..scene.model import CableItem
 from .arguments import object_number, require_system
 from .attach.companions import forget_companions
 from .attach.inert import ANCF_CABLES, INERT, is_inert_cable
-from .attach.shared_node import find_shared_node
+from .attach.shared_node import SharedNode, shared_node
 from .attach.user_forces import add_user_forces, user_forces_of
 from .cable_data import find_cable_item
 from .cable_item import add_object, cable_of
@@ -122,22 +122,21 @@ def _replacement(mbs: Any, chain: NativeChain, stretches: bool) -> _Replacement:
 
 def _add(mbs: Any, new: _Replacement, taken: set[int]) -> dict[str, Any]:
     """Add the cable, and let the elements be its companions.   taken: nodes of cables, changed in place."""
-    nodes, joined = list(new.chain.nodes), {}
-    for place in () if new.chain.closed else (0, -1):
+    nodes, cable = list(new.chain.nodes), new.cable
+    joined: dict[int, SharedNode] = {}
+    for place, end in () if cable.closed else ((0, "Start"), (-1, "End")):
         if nodes[place] in taken:
-            joined[place] = nodes[place]
+            joined[place] = shared_node(mbs, end, nodes[place], has_slope=True)
             nodes[place] = _copied_node(mbs, nodes[place])
         taken.add(nodes[place])
-    way, cable = find_enforcement("projection"), new.cable
-    shared = {nodes[place]: node for place, node in joined.items()}
-    no_gravity, free = np.zeros(cable.dimension), np.zeros(cable.reference.shape, dtype=bool)
-    item = CableItem(cable, no_gravity, tuple(nodes), way.name, free, shared)
+    taken.update(nodes)
+    way, shared = find_enforcement("projection"), {nodes[k]: node.number for k, node in joined.items()}
+    free = np.zeros(cable.reference.shape, dtype=bool)
+    item = CableItem(cable, np.zeros(cable.dimension), tuple(nodes), way.name, free, shared)
     item.left_out = stiffness_left_out(new.chain.template, new.section)
     made = add_object(mbs, item, way)
-    taken.update(nodes)
     for place, node in joined.items():
-        other = find_shared_node(mbs, "End" if place else "Start", node, True)
-        made["constraintObjects"] += other.join(mbs, nodes[place], cable.reference[place, 1])
+        made["constraintObjects"] += node.join(mbs, nodes[place], cable.reference[place, 1])
     for element, pair in zip(new.chain.elements, pairwise(item.node_names), strict=True):
         _make_companion(mbs, element, pair)
     add_user_forces(mbs, item, new.section, new.functions)

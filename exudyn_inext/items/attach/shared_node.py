@@ -121,9 +121,14 @@ def find_shared_node(mbs: Any, end: str, given: Any, share_slope: Any) -> Shared
             "cable; give one of cable['nodes'], or leave it out and join the cable by AttachToBody, or by a "
             "SphericalJoint between markers of both nodes (in the plane with constrainedAxes=[1, 1, 0])."
         )
+    return shared_node(mbs, end, number, has_slope)
+
+
+def shared_node(mbs: Any, end: str, number: int, has_slope: bool) -> SharedNode:
+    """A node that a cable has, or will have.   Arguments: see `SharedNode`."""
+    node = mbs.GetNode(number)
     q = np.add(node["referenceCoordinates"], node["initialCoordinates"]).reshape(2, -1)
-    v = np.reshape(node["initialVelocities"], q.shape)
-    return SharedNode(end, number, q, v, has_slope)
+    return SharedNode(end, number, q, np.reshape(node["initialVelocities"], q.shape), has_slope)
 
 
 def _add_same_slope(mbs: Any, node: int, own: int, slope: Array) -> int:
