@@ -1,0 +1,238 @@
+"""ReplaceNativeCables: native elements, replaced, move as cables that were created in their place."""
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.beams import GenerateBeamElementsAlongLine
+from exudyn.itemInterface import (
+    LoadForceVector,
+    LoadMassProportional,
+    MarkerBodyMass,
+    MarkerBodyPosition,
+    MarkerNodePosition,
+    MassPoint2D,
+    NodePoint2DSlope1,
+    ObjectANCFCable,
+    ObjectANCFCable2D,
+    SensorBody,
+    SensorNode,
+)
+
+from exudyn_inext import (
+    CableShape,
+    CreateCableForceSensor,
+    CreateCompanionCables,
+    CreateInextensibleCable,
+    InputError,
+    ReplaceNativeCables,
+    SolveEquilibrium,
+)
+from reference_models.model import quiet_settings, silence
+from tests.exudyn_binding.items import PINNED, trajectory
+
+POSITION = exudyn.OutputVariableType.Position
+GRAVITY = [0.0, -9.81, 0.0]
+THICK = {"massPerLength": 0.2, "bendingStiffness": 0.05, "axialStiffness": 2e4, "bendingDamping": 1e-3}
+THIN = {"massPerLength": 0.1, "bendingStiffness": 0.01, "axialStiffness": 1e4}
+
+
+def template(dim=2, section=THICK, **more):
+    return (ObjectANCFCable2D if dim == 2 else ObjectANCFCable)(**section, **more)
+
+
+def line(dim=2, start=0.0, end=1.0, elements=6, pinned=True, **more):
+    """Arguments that both generators take."""
+    supports = {"groundConstraintsStart": PINNED if dim == 2 else [True] * 3 + [False] * 3} if pinned else {}
+    ends = {"positionStart": [start, 0, 0], "positionEnd": [end, 0, 0], "numberOfElements": elements}
+    return {"beamTemplate": template(dim), "gravity": GRAVITY} | ends | supports | more
+
+
+def generated(mbs, replaced, extensible=True, **arguments):
+    """The cable of one generator or the other; what is replaced has to be replaced afterwards."""
+    if replaced:
+        return GenerateBeamElementsAlongLine(mbs, **arguments)
+    return CreateInextensibleCable(mbs, extensible=extensible, **arguments)
+
+
+def watched(mbs, *nodes):
+    """Sensors of their positions."""
+    return [
+        mbs.AddSensor(SensorNode(nodeNumber=node, storeInternal=True, outputVariableType=POSITION))
+        for node in nodes
+    ]
+
+
+def require_the_same(new_mbs, solve, build, number_of_cables=1, extensible=True, atol=1e-9):
+    """build(mbs, replaced) -> sensors, which show the same whichever way the cables came about."""
+    found = []
+    for replaced in (False, True):
+        mbs = new_mbs()
+        sensors = build(mbs, replaced)
+        if replaced:
+            assert len(ReplaceNativeCables(mbs, extensible=extensible)) == number_of_cables
+        mbs.Assemble()
+        solve(mbs, settings=quiet_settings(0.3, 60, 0.05), stepSize=5e-4)
+        found.append(np.array([trajectory(mbs, sensor)[:, 1:] for sensor in sensors]))
+    np.testing.assert_allclose(found[1], found[0], rtol=0, atol=atol)
+    assert np.abs(found[0] - found[0][:, :1]).max() > 0.02
+
+
+@pytest.mark.parametrize("extensible", [True, False])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_weights_loads_and_sensors_of_elements_act_on_the_cable(new_mbs, solve, dim, extensible):
+    def build(mbs, replaced):
+        cable = generated(mbs, replaced, extensible, **line(dim))
+        elements = cable["elements"] if replaced else CreateCompanionCables(mbs, cable)
+        on_element = {"bodyNumber": elements[3], "localPosition": [0.05, 0, 0]}
+        marker = mbs.AddMarker(MarkerBodyPosition(**on_element))
+        mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=[0.2, 3.0, 0.5 if dim == 3 else 0]))
+        middle = SensorBody(**on_element, storeInternal=True, outputVariableType=POSITION)
+        return [*watched(mbs, cable["nodes"][-1]), mbs.AddSensor(middle)]
+
+    require_the_same(new_mbs, solve, build, extensible=extensible)
+
+
+def test_mass_points_that_came_before_are_part_of_the_cable(new_mbs, solve):
+    def build(mbs, replaced):
+        cable = generated(mbs, replaced, **line())
+        mbs.AddObject(MassPoint2D(nodeNumber=cable["nodes"][3], mass=0.5))
+        return watched(mbs, cable["nodes"][3], cable["nodes"][-1])
+
+    require_the_same(new_mbs, solve, build)
+
+
+def test_where_the_section_changes_cables_share_a_node(new_mbs, solve):
+    def build(mbs, replaced):
+        first = generated(mbs, replaced, **line(elements=4))
+        node = first["nodes"][-1]
+        onwards = line(start=1.0, end=1.6, elements=4, pinned=False, nodeNumberStart=node)
+        second = generated(mbs, replaced, **onwards | {"beamTemplate": template(section=THIN)})
+        end = mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
+        mbs.AddLoad(LoadForceVector(markerNumber=end, loadVector=[0.0, 1.0, 0.0]))
+        return watched(mbs, node, second["nodes"][-1])
+
+    require_the_same(new_mbs, solve, build, number_of_cables=2)
+
+
+def test_user_functions_of_moments_stay(new_mbs, solve):
+    def stiffening(mbs, t, number, x, curvature, rate, curvature_0, stiffness, damping, *rest):
+        return stiffness * curvature * (1.0 + 0.3 * curvature**2) + damping * rate
+
+    def build(mbs, replaced):
+        bends = template(section=THIN, bendingMomentUserFunction=stiffening)
+        cable = generated(mbs, replaced, **line() | {"beamTemplate": bends})
+        return watched(mbs, cable["nodes"][-1])
+
+    require_the_same(new_mbs, solve, build)
+
+
+def test_elements_in_a_ring_become_a_closed_cable(new_mbs, solve):
+    radius, number = 0.4, 8
+    angles = 2.0 * np.pi * np.arange(number) / number
+    outward = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    slopes, length = outward[:, ::-1] * [-1, 1], 2.0 * np.pi * radius / number
+
+    def native_ring(mbs):
+        rows = zip(radius * outward, slopes, strict=True)
+        nodes = [
+            mbs.AddNode(NodePoint2DSlope1(referenceCoordinates=np.concatenate(row).tolist())) for row in rows
+        ]
+        for k, node in enumerate(nodes):
+            ends = [node, nodes[(k + 1) % number]]
+            body = mbs.AddObject(ObjectANCFCable2D(**THIN, length=length, nodeNumbers=ends))
+            marker = mbs.AddMarker(MarkerBodyMass(bodyNumber=body))
+            mbs.AddLoad(LoadMassProportional(markerNumber=marker, loadVector=GRAVITY))
+        return nodes
+
+    def build(mbs, replaced):
+        if replaced:
+            nodes = native_ring(mbs)
+        else:
+            shape = CableShape(radius * outward, slopes, length, closed=True, lengthReference="straight")
+            arguments = {"beamTemplate": template(section=THIN), "gravity": GRAVITY, "extensible": True}
+            nodes = CreateInextensibleCable(mbs, shape=shape, **arguments)["nodes"]
+        end = mbs.AddMarker(MarkerNodePosition(nodeNumber=nodes[0]))
+        mbs.AddLoad(LoadForceVector(markerNumber=end, loadVector=[0.5, 1.0, 0.0]))
+        return watched(mbs, nodes[0], nodes[3])
+
+    require_the_same(new_mbs, solve, build)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_it_moves_as_the_native_elements_do(new_mbs, solve, dim):
+    found = []
+    for replaced in (True, False):
+        mbs = new_mbs()
+        cable = GenerateBeamElementsAlongLine(mbs, **line(dim, elements=12))
+        (tip,) = watched(mbs, cable["nodes"][-1])
+        if replaced:
+            ReplaceNativeCables(mbs)
+        mbs.Assemble()
+        settings = quiet_settings(0.3, 300, 0.05)
+        if replaced:
+            solve(mbs, settings=settings)
+        else:
+            with silence():
+                mbs.SolveDynamic(settings)
+        found.append(trajectory(mbs, tip)[:, 1:])
+    np.testing.assert_allclose(found[0], found[1], atol=2e-3)  # of 0.4 m
+
+
+def test_initial_states_of_nodes_stay_also_where_cables_share_one(mbs):
+    states = {
+        "initialCoordinates": [0.0, 0.1, 0.0, 0.0],
+        "initialVelocities": [0.0, 0.3, 0.0, 0.2],
+    }
+    places = [0.0, 0.5, 1.0]
+    nodes = [mbs.AddNode(NodePoint2DSlope1(referenceCoordinates=[x, 0, 1, 0], **states)) for x in places]
+    for pair, section in zip((nodes[:2], nodes[1:]), (THICK, THIN), strict=True):
+        mbs.AddObject(ObjectANCFCable2D(**section, length=0.5, nodeNumbers=pair))
+    first, second = ReplaceNativeCables(mbs)
+    mbs.Assemble()
+    for node in (*nodes, second["elements"] and mbs.GetObject(1)["nodeNumbers"][0]):
+        for name, value in states.items():
+            np.testing.assert_array_equal(mbs.GetNodeParameter(int(node), name), value)
+    assert [*map(int, first["nodes"])] == [*map(int, nodes[:2])]
+    assert [*map(int, second["nodes"])] == [*map(int, nodes[1:])]
+
+
+def test_statics_and_section_forces_know_the_cables(mbs):
+    hanging = line() | {"positionEnd": [0, -1, 0]}
+    GenerateBeamElementsAlongLine(mbs, **hanging)
+    (cable,) = ReplaceNativeCables(mbs)
+    sensor = CreateCableForceSensor(mbs, cable, 0.25)
+    mbs.Assemble()
+    with silence():
+        SolveEquilibrium(mbs)
+    assert mbs.GetSensorValues(sensor)[0] == pytest.approx(0.2 * 9.81 * 0.75, rel=1e-3)
+
+
+def test_only_what_is_named_is_replaced(mbs):
+    first, second = (
+        GenerateBeamElementsAlongLine(mbs, **line(elements=3) | {"positionEnd": [1, y, 0]}) for y in (0, 1)
+    )
+    (cable,) = ReplaceNativeCables(mbs, objectNumbers=second["elements"])
+    assert [*map(int, cable["nodes"])] == [*map(int, second["nodes"])]
+    assert [mbs.GetObject(k)["massPerLength"] for k in first["elements"]] == [0.2] * 3
+    assert [mbs.GetObject(k)["massPerLength"] for k in second["elements"]] == [0.0] * 3
+    assert CreateCompanionCables(mbs, cable) == [*map(int, second["elements"])]
+
+
+def test_elements_without_counterpart_are_named_and_nothing_is_changed(mbs, contents):
+    GenerateBeamElementsAlongLine(mbs, **line(elements=2))
+    strained = template(section=THIN, referenceAxialStrain=-0.01)
+    GenerateBeamElementsAlongLine(mbs, **line(elements=2) | {"beamTemplate": strained})
+    before = contents(mbs)
+    with pytest.raises(
+        InputError, match=r"native elements \d+ to \d+: .*referenceAxialStrain.*extensible=True"
+    ):
+        ReplaceNativeCables(mbs, extensible=False)
+    assert contents(mbs) == before
+    assert len(ReplaceNativeCables(mbs)) == 2
+
+
+def test_a_second_call_finds_nothing_to_replace(mbs):
+    GenerateBeamElementsAlongLine(mbs, **line(elements=2))
+    ReplaceNativeCables(mbs)
+    with pytest.raises(InputError, match="no ObjectANCFCable2D or ObjectANCFCable with a mass"):
+        ReplaceNativeCables(mbs)
