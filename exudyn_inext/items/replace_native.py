@@ -1,6 +1,5 @@
 """ReplaceNativeCables: cables in the place of the native ANCF elements of an mbs, on the same nodes."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -65,29 +64,31 @@ def ReplaceNativeCables(mbs: Any, extensible: bool = True, objectNumbers: Any = 
 
 
 def _elements(mbs: Any, given: Any) -> Elements:
-    """Native elements with mass or stiffness by their numbers."""
-    count = mbs.systemData.NumberOfObjects()
-    if given is None:
-        numbers: Sequence[int] = range(count)
-    else:
-        numbers = [object_number(number) for number in given]
-    objects = {number: mbs.GetObject(number) for number in numbers if 0 <= number < count}
+    """Native elements with mass or stiffness by their numbers.   given: objectNumbers."""
+    objects = {number: mbs.GetObject(number) for number in range(mbs.systemData.NumberOfObjects())}
     found = {
         number: data
         for number, data in objects.items()
         if data["objectType"] in ANCF_CABLES and not is_inert_cable(data)
     }
-    if wrong := [number for number in numbers if number not in found] if given is not None else []:
-        raise InputError(
-            f"objectNumbers = {given!r}: object {wrong[0]} of mbs is no ObjectANCFCable2D or ObjectANCFCable "
-            "with a mass; give numbers of such elements, or None for all of them."
-        )
-    if not found:
+    if given is None and not found:
         raise InputError(
             "mbs has no ObjectANCFCable2D or ObjectANCFCable with a mass that could be replaced: call "
             "ReplaceNativeCables after they were added, and once."
         )
-    return found
+    return found if given is None else {number: found[number] for number in _chosen(given, found)}
+
+
+def _chosen(given: Any, found: Elements) -> list[int]:
+    """Numbers of elements among those that were found."""
+    is_list = isinstance(given, list | tuple | np.ndarray) and len(given) > 0
+    for one in given if is_list else [given]:
+        if object_number(one) not in found:
+            raise InputError(
+                f"objectNumbers = {given!r}: {one!r} is no ObjectANCFCable2D or ObjectANCFCable with a mass; "
+                "give a list of numbers of such elements, or None for all of them."
+            )
+    return [object_number(one) for one in given]
 
 
 def _nodes_of_cables(mbs: Any) -> set[int]:

@@ -5,7 +5,8 @@ from typing import Any
 
 import exudyn
 import numpy as np
-from exudyn.itemInterface import SensorNode
+from exudyn.beams import GenerateBeamElementsAlongLine
+from exudyn.itemInterface import ObjectANCFCable2D, SensorNode
 from exudyn.utilities import InertiaCuboid
 
 from exudyn_inext import CreateInextensibleCable, ExplicitSettings, InextensibleCable, SolveExplicit
@@ -54,6 +55,17 @@ def bodies() -> SimpleNamespace:
     there = {"referencePosition": [1.8, 0, 0]}
     scene.ground = int(scene.mbs.CreateGround(**there))
     scene.body = int(scene.mbs.CreateRigidBody(inertia=InertiaCuboid(1000, [0.1] * 3), **there))
+    return scene
+
+
+def native_cables(**changes: Any) -> SimpleNamespace:
+    """Three native elements from a pin on, one of them with other properties, if changes are given."""
+    scene, section = empty(), SECTION | {"axialStiffness": 1e4}
+    line = {"groundConstraintsStart": [1, 1, 0, 0], "gravity": [0, -9.81, 0]} | LINE
+    made = GenerateBeamElementsAlongLine(scene.mbs, beamTemplate=ObjectANCFCable2D(**section), **line)
+    scene.elements = [int(element) for element in made["elements"]]
+    for name, value in changes.items():
+        scene.mbs.SetObjectParameter(scene.elements[1], name, value)
     return scene
 
 

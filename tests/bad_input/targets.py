@@ -34,6 +34,7 @@ from exudyn_inext import (
     InextensibleCable,
     PenaltyMass,
     Rattle,
+    ReplaceNativeCables,
     RungeKutta4,
     SetCableDrag,
     SolveEnsemble,
@@ -45,7 +46,17 @@ from exudyn_inext import (
 )
 from reference_models.model import silence
 
-from .scenes import bodies, cable_arguments, empty, loose_pendulum, pendulum, ring_points, run, settings
+from .scenes import (
+    bodies,
+    cable_arguments,
+    empty,
+    loose_pendulum,
+    native_cables,
+    pendulum,
+    ring_points,
+    run,
+    settings,
+)
 from .values import Of, UserError
 
 RING, RING_SLOPES = (points.tolist() for points in ring_points())
@@ -250,6 +261,11 @@ def mark(scene: Any, arguments: dict[str, Any]) -> None:
 
 def accompany(scene: Any, arguments: dict[str, Any]) -> None:
     CreateCompanionCables(**arguments)
+    assembled_run(scene)
+
+
+def replace(scene: Any, arguments: dict[str, Any]) -> None:
+    ReplaceNativeCables(**arguments)
     assembled_run(scene)
 
 
@@ -555,6 +571,15 @@ TARGETS = {
         loose_pendulum, mark, ON_CABLE | ARC | {"offset": [0.0, -0.02], "hasFrame": [False, True]}
     ),
     "CreateCompanionCables": Target(loose_pendulum, accompany, ON_CABLE | {"show": [False, True]}),
+    "ReplaceNativeCables": Target(
+        native_cables,
+        replace,
+        MBS
+        | {
+            "extensible": [True, False],
+            "objectNumbers": [None, Of(lambda scene: scene.elements), Of(lambda scene: scene.elements[1:])],
+        },
+    ),
     "AddPointMass": Target(loose_pendulum, weigh, ON_CABLE | ARC | {"mass": [0.01]}),
     "SetCableDrag": Target(
         loose_pendulum, drag, ON_CABLE | {"drag": [None, CableDrag(1.2, 0.01, 0.02, 1.2)]}

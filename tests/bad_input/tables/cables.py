@@ -16,11 +16,22 @@ from exudyn_inext import (
     InextensibleCable,
     PenaltyMass,
     Projection,
+    ReplaceNativeCables,
     SetCableDrag,
 )
 
-from ..rows import Row, all_but_the_time, rows
-from ..scenes import LINE, SECTION, bodies, cable_arguments, empty, pendulum, ring_points, settings
+from ..rows import Row, all_but_the_time, nothing_more, rows
+from ..scenes import (
+    LINE,
+    SECTION,
+    bodies,
+    cable_arguments,
+    empty,
+    native_cables,
+    pendulum,
+    ring_points,
+    settings,
+)
 from ..values import INF, NAN, Of, itself
 
 MBS = Of(lambda scene: scene.mbs)
@@ -421,4 +432,53 @@ ENFORCEMENTS = [
     ],
 ]
 
-ROWS = [*SECTIONS, *LINES, *SHARED_NODES, *SHAPES, *NATIVE_SOLVERS, *ENFORCEMENTS]
+NO_ELEMENT = r"is no ObjectANCFCable2D or ObjectANCFCable with a mass; give a list of numbers"
+REPLACED = [
+    *rows(
+        ReplaceNativeCables,
+        {"mbs": MBS},
+        [
+            *[
+                ({"extensible": value}, rf"extensible = {value!r}: must be True or False")
+                for value in ("yes", None, 2)
+            ],
+            *[
+                ({"objectNumbers": value}, rf"objectNumbers = {re.escape(repr(value))}: .* {NO_ELEMENT}")
+                for value in (5, [], "all")
+            ],
+            ({"objectNumbers": [0, 99]}, rf"objectNumbers = \[0, 99\]: 99 {NO_ELEMENT}"),
+            ({"objectNumbers": [0, 3]}, rf"objectNumbers = \[0, 3\]: 3 {NO_ELEMENT}"),  # a support
+        ],
+        scene=native_cables,
+    ),
+    *[
+        Row(ReplaceNativeCables, {"mbs": MBS} | arguments, message, scene=scene)
+        for arguments, message, scene in (
+            (
+                {},
+                r"mbs has no ObjectANCFCable2D or ObjectANCFCable with a mass .* after they were added",
+                pendulum,
+            ),
+            (
+                {"extensible": False},
+                r"native elements 0 to 2: nodes 1 and 2 are 0.6 m apart, the element .* 0.5 m long: no inext",
+                lambda: native_cables(length=0.5),
+            ),
+            (
+                {"extensible": False},
+                r"native element 1: beamTemplate.referenceAxialStrain = 0.1: .* extensible=True",
+                lambda: native_cables(referenceAxialStrain=0.1),
+            ),
+        )
+    ],
+    Row(
+        ReplaceNativeCables,
+        {"mbs": MBS},
+        r"native element 1: massPerLength = 0.0: must be a finite number > 0",
+        scene=lambda: native_cables(massPerLength=0.0),
+        good=nothing_more,
+    ),
+    Row(ReplaceNativeCables, {"mbs": None}, r"mbs = None"),
+]
+
+ROWS = [*REPLACED, *SECTIONS, *LINES, *SHARED_NODES, *SHAPES, *NATIVE_SOLVERS, *ENFORCEMENTS]
