@@ -392,8 +392,8 @@ def warn_of_many_steps(runs: Sequence[Run], choice: StepChoice, duration: float,
         if isinstance(run, CoupledRun) and steps > (LONG_COMPILED if run.looks_ahead else LONG):
             node, native = run.fastest
             remedy = (
-                f"create {native} by CreateInextensibleCable, with the same beamTemplate: its axial "
-                "stiffness bounds no step there"
+                f"let a cable whose axial stiffness bounds no step take the place of {native}, by "
+                "ReplaceNativeCables(mbs) before mbs.Assemble()"
                 if native
                 else "let what is so stiff there be softer, or a joint, or what is so light be heavier"
             )
