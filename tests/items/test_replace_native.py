@@ -29,6 +29,7 @@ from exudyn_inext import (
 )
 from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import PINNED, trajectory
+from tests.random_scenes import RandomScene
 
 POSITION = exudyn.OutputVariableType.Position
 GRAVITY = [0.0, -9.81, 0.0]
@@ -156,6 +157,18 @@ def test_elements_in_a_ring_become_a_closed_cable(new_mbs, solve):
         return watched(mbs, nodes[0], nodes[3])
 
     require_the_same(new_mbs, solve, build)
+
+
+@pytest.mark.parametrize("seed", [2, 8, 11, 13])
+def test_random_scenes_of_native_cables_move_as_those_that_were_created(solve, seed):
+    created, replaced = RandomScene(seed, stretches=True), RandomScene(seed, native=True, elements=8)
+    ReplaceNativeCables(replaced.mbs)
+    replaced.mbs.Assemble()
+    for scene in (created, replaced):
+        solve(scene.mbs, settings=quiet_settings(0.2, 100, 0.02))
+    paths = created.paths()
+    np.testing.assert_allclose(replaced.paths(), paths, rtol=0, atol=1e-11)
+    assert np.abs(paths - paths[0]).max() > 0.1
 
 
 @pytest.mark.parametrize("dim", [2, 3])
