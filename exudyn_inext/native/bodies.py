@@ -141,8 +141,8 @@ def read_bodies(mbs: Any, cables: Sequence[int], on_cables: np.ndarray, total: S
                 continue
             raise SceneError(
                 f"{described(data, number)} has mass and lies on nodes of an inextensible cable: put it on "
-                "the cable by AddPointMass, give it no mass (a companion for markers and contact), or its own "
-                "nodes and a joint, or let ReplaceNativeCables take native elements."
+                "the cable by AddPointMass, give it no mass (a companion for markers and contact), give it "
+                "its own nodes and a joint, or let ReplaceNativeCables take native elements."
             )
         bodies.append(Body(number, coordinates, _has_constant_mass(data), tells_mass, mass))
     return bodies

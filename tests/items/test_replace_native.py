@@ -232,20 +232,22 @@ def test_only_what_is_named_is_replaced(mbs):
     assert CreateCompanionCables(mbs, cable) == [*map(int, second["elements"])]
 
 
-def test_what_is_left_on_a_node_of_a_cable_is_refused_and_can_be_replaced_later(mbs, solve):
-    made = GenerateBeamElementsAlongLine(mbs, **line())
-    (tip,) = watched(mbs, made["nodes"][-1])
-    ReplaceNativeCables(mbs, objectNumbers=made["elements"][3:])
-    mbs.Assemble()
-    with pytest.raises(
-        SceneError, match="object 2 .* lies on nodes of an inextensible cable: .*ReplaceNative"
-    ):
-        solve(mbs)
-    (rest,) = ReplaceNativeCables(mbs)
-    mbs.Assemble()
-    solve(mbs, settings=quiet_settings(0.2, 40, 0.05))
-    assert [*map(int, rest["nodes"])] == [*map(int, made["nodes"][:4])]
-    assert trajectory(mbs, tip)[-1, 2] == pytest.approx(-0.5 * 9.81 * 0.2**2 * 1.5, rel=0.05)  # a falling rod
+def test_what_is_left_on_a_node_of_a_cable_is_refused_and_can_be_replaced_later(new_mbs, solve):
+    found = []
+    for at_once in (True, False):
+        mbs = new_mbs()
+        made = GenerateBeamElementsAlongLine(mbs, **line())
+        (tip,) = watched(mbs, made["nodes"][-1])
+        if not at_once:
+            ReplaceNativeCables(mbs, objectNumbers=made["elements"][3:])
+            mbs.Assemble()
+            with pytest.raises(SceneError, match=r"object 2 .* lies on nodes of .*: .*ReplaceNativeCables"):
+                solve(mbs)
+        ReplaceNativeCables(mbs)
+        mbs.Assemble()
+        solve(mbs, settings=quiet_settings(0.3, 60, 0.05))
+        found.append(trajectory(mbs, tip)[:, 1:])
+    np.testing.assert_allclose(found[1], found[0], atol=5e-4)  # of 0.4 m
 
 
 def test_elements_without_counterpart_are_named_and_nothing_is_changed(mbs, contents):
