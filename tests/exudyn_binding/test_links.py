@@ -22,6 +22,7 @@ from exudyn_inext import (
     RedundantConstraintError,
     SceneError,
 )
+from exudyn_inext.run.watch import record_watched
 from reference_models.data import reference_trajectory
 from reference_models.scenes import load_scene
 from tests.exudyn_binding.items import SECTION, hang, native_cable, solve_native, trajectory
@@ -128,6 +129,8 @@ def test_moved_node_is_where_it_shall_be(mbs, add_cable, add_sensor, solve, inte
         first = 1 if function is shake_rate_of_change else 0
         assert np.abs(stored[first:, 1:3] - expected[first:]).max() < tolerance
     assert "in one compiled call" in report["path"]
+    sampled = {str(kinds[2].types[2]) for kinds in record_watched.signatures}
+    assert sampled == {"array(float64, 3d, C)"}  # as other loads: nothing is compiled anew
 
 
 def test_offset_user_function_of_a_native_constraint_moves_a_node(mbs, add_cable, add_sensor, solve):
