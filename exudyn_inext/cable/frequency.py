@@ -207,7 +207,7 @@ def _vibrating(system: Any, q: Array, acceleration: Array) -> Vibrating:
     if isinstance(system, LinkedCableSystem):
         links = system.link_system.links["multiplier"][:, ACCELERATION].copy()
     one = called(system, respond, apply_stiffness)
-    masses, memory = (nodes["mass"], elements["mass"]), np.zeros(2 * q.size)
+    masses, memory = (nodes["mass"].copy(), elements["mass"].copy()), np.zeros(2 * q.size)
     return Vibrating(one, *masses, nodal, length, links, q.reshape(-1), memory)
 
 

@@ -176,8 +176,8 @@ class CableLoads:
         shape = (piece.steps, len(stages), len(self.pattern))
         if not (self.varies or (self._ramp and piece.time() < self._ramp.end)):
             return LoadHistory(self.constant, self.pattern, np.zeros(shape))
-        times = piece.times(stages).ravel().tolist()
-        return LoadHistory(self.constant, self.pattern, self.factors(times).reshape(shape))
+        factors = np.array(self.factors(piece.times(stages).ravel().tolist()), order="C")  # of one type
+        return LoadHistory(self.constant, self.pattern, factors.reshape(shape))
 
     def factors(self, times: list[float]) -> Array:
         """(T, P) of all load histories and motions."""

@@ -73,11 +73,8 @@ def tip_of_cable(number, steps, name="RATTLE"):
     return history[0, 0].reshape(cable.reference.shape)[-1, 0]
 
 
-def test_equations_are_the_published_ones():
+def test_equations_are_the_published_ones_and_converge_with_order_two_to_the_limit():
     np.testing.assert_allclose(angles(40)[PIECES], PUBLISHED, atol=1e-8)
-
-
-def test_pieces_converge_with_order_two_to_the_limit():
     tips = np.array([tip_of_pieces(n) for n in (10, 20, 40)])
     np.testing.assert_allclose(np.log2((tips[:-1] - LIMIT) / (tips[1:] - LIMIT)), 2.0, atol=0.2)
     once = tips[1:] + (tips[1:] - tips[:-1]) / 3.0
