@@ -186,14 +186,14 @@ class CoupledRun(LimitedRun):
 
     def take_over(
         self,
-        changed: Sequence[ChangedItem],
+        changed: Mapping[ChangedItem, Any],
         is_simple: bool,
         time: float,
         line: Line | None = None,
     ) -> None:
         """Go on from the present state, at `time` [s], with items that were changed.
 
-        is_simple: whether they are loads, springs, masses, and joints that are moved, only.
+        changed: see `Mover.take_values`.   is_simple: whether they are loads, springs, masses, and joints that are moved, only.
         line: see `Mover.take_values`.
         """
         if is_simple and self.mover.take_values(changed, line):

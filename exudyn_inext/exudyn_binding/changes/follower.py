@@ -1,6 +1,6 @@
 """Runs that follow what user functions change between two steps of the time loop."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -101,7 +101,7 @@ class ChangeFollower:
         self._line = Line(time, end, self.log.before) if is_needed and not self._jumps else None
         for run in runs if changed else ():
             run.control.look_soon()
-        self.limit.notice(self.mbs, changed, time, end)
+        self.limit.notice(changed, time, end)
         self._has_jumped(runs, time)
         self.reader.drives.follow(changed, time, end)
         self.reader.begin_step(time, end)
@@ -139,14 +139,14 @@ class ChangeFollower:
 
     def _act_at_once(self, runs: Sequence[Run], changed: Mapping[Parameter, Any], time: float) -> bool:
         """Whether all that has changed are values of loads, springs and masses, which act now."""
-        if self.moves or self._jumped or self.limit.is_due(time) or self.limit.grown(self.mbs, changed):
+        if self.moves or self._jumped or self.limit.is_due(time) or self.limit.grown(changed):
             return False
         alone = _alone(runs)
         if alone:
             return self._load_at_once(alone, changed, time)
         asked = {key: it for key in changed if (it := self._demand(runs, key))}
         weights = {key: changed[key] for key, it in asked.items() if it == Demand.WEIGH and _is_force(key)}
-        items = [key for key in asked if key not in weights]
+        items = {key: changed[key] for key in asked if key not in weights}
         most = max((asked[key] for key in items), default=Demand.NOTHING)
         if most > Demand.BEGIN or not _have_begun(runs):
             return False
@@ -196,9 +196,10 @@ class ChangeFollower:
         self.moves = self.reader.moves
         return True
 
-    def _acting(self, runs: Sequence[Run], changed: Collection[Parameter]) -> list[Parameter]:
+    def _acting(self, runs: Sequence[Run], changed: Mapping[Parameter, Any]) -> dict[Parameter, Any]:
         asked = {key: self._demand(runs, key) for key in changed}
-        return [key for key, it in asked.items() if Demand.NOTHING < it < Demand.WEIGH and it != Demand.DRIVE]
+        own = (key for key, it in asked.items() if Demand.NOTHING < it < Demand.WEIGH and it != Demand.DRIVE)
+        return {key: changed[key] for key in own}
 
     def _demand(self, runs: Sequence[Run], key: Parameter) -> Demand:
         if key not in self._demands:
@@ -206,7 +207,7 @@ class ChangeFollower:
         return self._demands[key]
 
     def _take_over(
-        self, runs: Sequence[Run], changed: Collection[Parameter], asked: Demand, time: float
+        self, runs: Sequence[Run], changed: Mapping[Parameter, Any], asked: Demand, time: float
     ) -> None:
         """See `CoupledRun.take_over`; whoever evaluates a run then may demand something else."""
         items, ways = self._acting(runs, changed), [run.evaluated_by for run in runs]
@@ -217,7 +218,7 @@ class ChangeFollower:
             self._demands.clear()
 
     def _followed(
-        self, runs: Sequence[Run], changed: Collection[Parameter], time: float, end: float
+        self, runs: Sequence[Run], changed: Mapping[Parameter, Any], time: float, end: float
     ) -> Sequence[Run]:
         asked = max((self._demand(runs, key) for key in changed), default=Demand.EVALUATE)
         if changed:
@@ -225,7 +226,7 @@ class ChangeFollower:
             if asked < Demand.BUILD:
                 self._take_over(runs, changed, asked, time)
         if asked < Demand.WEIGH:
-            is_stiffer = self.limit.follow_stiffness(self.mbs, runs, changed, time)
+            is_stiffer = self.limit.follow_stiffness(runs, changed, time)
             has_moved = self._jumped or asked == Demand.MOVE
             if self.moves or is_stiffer or has_moved or asked >= Demand.BEGIN:
                 _go_on(runs, time, end, has_moved)
@@ -241,7 +242,7 @@ class ChangeFollower:
             _go_on(runs, time, end, has_changed=True)
             return runs
         new = self.builder.build(scene, time, state_of(self.mbs), end)
-        self.limit.take_over(self.mbs, runs, new, time, changed)
+        self.limit.take_over(runs, new, time, changed)
         for run in new:
             run.start(time)
         self._figures = worst_figures([*runs, self])
