@@ -75,13 +75,16 @@ class CableLoads:
     def ramp(self, values: Mapping[int, Array], time: float, end: float) -> set[int]:
         """As `change`, along a line from `time` to `end` [s]."""
         assert self._ramp
-        row = self.pattern[-1]
-        np.copyto(row, self.constant)
+        before = self.constant.copy()
         found = self.change(values)
-        np.subtract(row, self.constant, out=row)
+        np.subtract(before, self.constant, out=self.pattern[-1])
         self._ramp.begin(time, end)
         self._time = np.nan
         return found
+
+    def missing(self, time: float) -> float:
+        """Share of its change that a `ramp` lacks at `time` [s]."""
+        return float(self._ramp.missing([time])[0]) if self._ramp else 0.0
 
     @property
     def kept_ramp(self) -> dict[str, list[Any]]:

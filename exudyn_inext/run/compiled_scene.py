@@ -165,7 +165,9 @@ class SceneLoads:
     def sample(self, times: Array) -> LoadHistory:
         """History of steps.   times: (steps, stages) [s]."""
         shape = (*times.shape, len(self.pattern))
-        factors = self.factors(times.ravel().tolist()) if len(self.pattern) else np.zeros(0)
+        if self.are_steady and not (self.ramp and times[0, 0] < self.ramp.end):
+            return LoadHistory(self.constant, self.pattern, np.zeros(shape), NO_WORK)
+        factors = self.factors(times.ravel().tolist())
         return LoadHistory(self.constant, self.pattern, factors.reshape(shape), NO_WORK)
 
 

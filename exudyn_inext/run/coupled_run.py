@@ -193,8 +193,8 @@ class CoupledRun(LimitedRun):
     ) -> None:
         """Go on from the present state, at `time` [s], with items that were changed.
 
-        changed: see `Mover.take_values`.   is_simple: whether they are loads, springs, masses, and joints that are moved, only.
-        line: see `Mover.take_values`.
+        changed, line: see `Mover.take_values`.
+        is_simple: whether they are loads, springs, masses, and joints that are moved, only.
         """
         if is_simple and self.mover.take_values(changed, line):
             return
@@ -383,9 +383,11 @@ class CoupledRun(LimitedRun):
         self.mover.begin_record(len(history))
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges
             good = self.advance(grid, first, history)
-        self.mover.end_record(grid, first, history[:good])
-        self._scene.tilted_angles.look(history[:good, 0])
-        history[:good, 0] -= self.reference
+        done = history[:good]
+        places = done[:, 0]
+        self.mover.end_record(grid, first, done)
+        self._scene.tilted_angles.look(places)
+        np.subtract(places, self.reference, out=places)
         return good
 
     @property

@@ -244,7 +244,7 @@ def _listed(value: Any) -> Any:
 
 
 def _as_known(known: Any, value: Any) -> Any:
-    """A value as Exudyn gives it, if it has real numbers of the same form; None: ask it, which takes longer."""
+    """A value as Exudyn gives it, if both are real numbers of one form; None: ask it, which takes longer."""
     if isinstance(known, float):
         return float(value) if isinstance(value, _NUMBERS) else None
     value = _listed(value)

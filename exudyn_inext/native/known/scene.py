@@ -252,8 +252,8 @@ class KnownNumbers:
         As `multibody.ramps` has them.
         """
         rows = sorted({row for item in items for row in self._rows_of(item)})
-        parts = ((kind, [np.arange(*own) for _, *own in alike]) for kind, alike in groupby(rows, itemgetter(0)))
-        return [(kind, np.concatenate(own)) for kind, own in parts]
+        alike = groupby(rows, itemgetter(0))
+        return [(kind, np.concatenate([np.arange(*own) for _, *own in found])) for kind, found in alike]
 
     def _rows_of(self, item: ChangedItem) -> list[tuple[int, int, int]]:
         """Kind, first and end of the numbers that follow a parameter."""
@@ -319,8 +319,8 @@ class KnownNumbers:
         if known.function is not None:
             return False
         if name in _FORCES:
-            values = np.atleast_1d(value)
-            loads["constant"][place, : len(values)] = known.scale * values
+            values = [known.scale * x for x in (value if isinstance(value, list) else np.ravel(value))]
+            loads["constant"][place, : len(values)] = values
             return True
         read = read_load(self._mbs, number, self._reader)
         if read is None or read.function is not None:
