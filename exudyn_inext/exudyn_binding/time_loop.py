@@ -273,9 +273,11 @@ class ExplicitTimeLoop:
             if self._is_ahead:  # they have been asked in later states
                 self._data.SetTime(self.time)
         self._calm += 1
-        if not (self._is_ahead and length_hint(self._states)):  # mbs is looked at before the next step
+        left = length_hint(self._states)
+        if not (self._is_ahead and left):  # mbs is looked at before the next step
             first, states = self._ahead
-            self._written = [*states[self._taken - first - 1, :2], self._data.GetODE1Coordinates()]
+            present = states[self._computed - left - first - 1]
+            self._written = [present[0], present[1], self._data.GetODE1Coordinates()]
         return state
 
     @property
@@ -318,9 +320,8 @@ class ExplicitTimeLoop:
                 self._put_back()
                 raise
             self._ahead = (first, states[:good])
-            observed = states[:good, : self._observed]
             for block in range(0, good, HANDED_OUT):
-                yield observed[block : block + HANDED_OUT].tolist()
+                yield states[block : min(block + HANDED_OUT, good), : self._observed].tolist()
             if good < len(states):
                 self.error = self._divergence(self.grid.time(first + good), self.grid.time(first + good + 1))
                 self._computed = first + good

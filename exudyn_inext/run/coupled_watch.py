@@ -210,7 +210,8 @@ class CoupledWatch(RunWatch):
     @property
     def steps_ahead(self) -> int:
         """That may be taken before the next `is_well_at`."""
-        return min(STEPS_BETWEEN_CHECKS, int(self._counts[_MOST] - self._counts[_STEPS]))
+        steps, most = self._counts.tolist()
+        return min(STEPS_BETWEEN_CHECKS, most - steps)
 
     def count(self, steps: int) -> None:
         """These steps have been taken."""

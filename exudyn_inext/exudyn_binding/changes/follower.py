@@ -56,6 +56,7 @@ class ChangeFollower:
         self._jumps = False  # whether values do in the next step
         self._line: Line | None = None  # along which they change there, if it matters
         self._demands: dict[Parameter, Demand] = {}  # of the present runs
+        self._sorted: tuple[Any, ...] = ()  # what was asked of these last, see `_sort`
 
     def take_step(self, explicit: ExplicitSettings, h: float) -> None:
         """Other runs, and the limit of the step, are for steps of h [s] from now on."""
@@ -144,24 +145,34 @@ class ChangeFollower:
         alone = _alone(runs)
         if alone:
             return self._load_at_once(alone, changed, time)
-        asked = {key: it for key in changed if (it := self._demand(runs, key))}
-        weights = {key: changed[key] for key, it in asked.items() if it == Demand.WEIGH and _is_force(key)}
-        items = {key: changed[key] for key in asked if key not in weights}
-        most = max((asked[key] for key in items), default=Demand.NOTHING)
+        most, items, weights = self._sort(runs, changed)
         if most > Demand.BEGIN or not _have_begun(runs):
             return False
-        if weights or Demand.BEGIN in asked.values():
+        if weights or most == Demand.BEGIN:
             forget_evaluators(self.sensors)
         else:
             take_forces(self.sensors, {})
         coupled = [run for run in runs if isinstance(run, CoupledRun)]
-        if weights and not _weigh(coupled, weights):
+        if weights and not _weigh(coupled, {key: changed[key] for key in weights}):
             return False
-        if not all([run.mover.take_values(items, self._line_of(most)) for run in coupled]):
+        values = {key: changed[key] for key in items}
+        if not all([run.mover.take_values(values, self._line_of(most)) for run in coupled]):
             return False
         for run in coupled if most == Demand.BEGIN else ():
             start_after_jump(run, run.begin_again, time)
         return True
+
+    def _sort(self, runs: Sequence[Run], changed: Mapping[Parameter, Any]) -> tuple[Demand, Any, Any]:
+        """The most that they ask for, those that ask for anything, and, of neither, weights of cables."""
+        keys = tuple(changed)
+        if self._sorted[:1] != (keys,):
+            asked = {key: it for key in keys if (it := self._demand(runs, key))}
+            weights = [key for key, it in asked.items() if it == Demand.WEIGH and _is_force(key)]
+            items = [key for key in asked if key not in weights]
+            most = max((asked[key] for key in items), default=Demand.NOTHING)
+            self._sorted = keys, most, items, weights
+        _, most, items, weights = self._sorted
+        return most, items, weights
 
     def _line_of(self, asked: Demand) -> Line | None:
         """See `Mover.take_values`; masses jump, and what changes with them."""
@@ -206,6 +217,10 @@ class ChangeFollower:
             self._demands[key] = demand(self.mbs, runs, self.scene.own_constraints, key)
         return self._demands[key]
 
+    def _forget_demands(self) -> None:
+        self._demands.clear()
+        self._sorted = ()
+
     def _take_over(
         self, runs: Sequence[Run], changed: Mapping[Parameter, Any], asked: Demand, time: float
     ) -> None:
@@ -215,7 +230,7 @@ class ChangeFollower:
             if isinstance(run, CoupledRun):
                 run.take_over(items, asked <= Demand.WEIGH, time, self._line_of(asked))
         if ways != [run.evaluated_by for run in runs]:
-            self._demands.clear()
+            self._forget_demands()
 
     def _followed(
         self, runs: Sequence[Run], changed: Mapping[Parameter, Any], time: float, end: float
@@ -234,7 +249,7 @@ class ChangeFollower:
                 for run in runs:
                     run.start(time)
             return runs
-        self._demands.clear()
+        self._forget_demands()
         before, scene = self.scene, read_scene(self.mbs, self.reader)
         self.scene = scene
         same_items = same_cables(before, scene) and sorted(before.foreign) == sorted(scene.foreign)

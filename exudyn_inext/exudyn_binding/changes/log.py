@@ -142,9 +142,9 @@ class ChangeLog:
             return
         number, name, value = given
         key = Parameter(_SETTERS[method], int(number), name)
-        if key.name == "name" or key.name.startswith("V"):
-            return
         if key not in self._known:
+            if name == "name" or name.startswith("V"):
+                return
             self._known[key] = self._read(key)
         if key not in self.changed and not _is_same(self._known[key], value):
             self._require_possible(key)
@@ -221,10 +221,6 @@ def _set_methods(methods: Mapping[str, Any]) -> None:
         setattr(exudyn.MainSystem, name, method)
 
 
-def _logs_of(mbs: Any) -> list[ChangeLog]:
-    return [log for log in _LISTENING if log.mbs is mbs]
-
-
 def _is_same(x: Any, y: Any) -> bool:
     """Whether two values of a parameter are equal: numbers, lists, arrays, functions, or anything else."""
     try:
@@ -247,7 +243,7 @@ def _as_known(known: Any, value: Any) -> Any:
     """A value as Exudyn gives it, if both are real numbers of one form; None: ask it, which takes longer."""
     if isinstance(known, float):
         return float(value) if isinstance(value, _NUMBERS) else None
-    value = _listed(value)
+    value = value if isinstance(value, list) else _listed(value)
     if not (isinstance(value, list) and isinstance(known, list) and known and isinstance(known[0], float)):
         return None
     numbers = [float(x) for x in value if isinstance(x, _NUMBERS)]
@@ -272,7 +268,8 @@ def _noted(name: str) -> Callable[..., Any]:
     @wraps(original)
     def call(self: Any, *args: Any, **kwargs: Any) -> Any:
         given = [*args, *(kwargs[key] for key in names if key in kwargs)] if kwargs else args
-        logs = _logs_of(self) if not names or len(given) == len(names) else ()
+        is_complete = not names or len(given) == len(names)
+        logs = [log for log in _LISTENING if log.mbs is self] if is_complete else []
         for log in logs:
             log.note(name, given)
         try:

@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Sequence, Set
 from contextlib import nullcontext, suppress
-from functools import cache, cached_property, partial
+from functools import cache, cached_property, lru_cache, partial
 from itertools import groupby
 from operator import itemgetter
 from typing import Any
@@ -129,7 +129,7 @@ class KnownNumbers:
         self._springs: dict[int, tuple[int, KnownConnector]] = {}  # place of each, by its number
         self._matrices: dict[int, slice] = {}  # places of their linear forces
         self._forces: dict[int, tuple[int, KnownLoad]] = {}
-        self.places_of = cache(self._places_of)
+        self.places_of = lru_cache(self._places_of)
 
     def add_object(self, number: int) -> None:
         """A connector, or what does nothing; UnknownItemError if it has no compiled form."""
