@@ -61,7 +61,7 @@ class CableLoads:
         """(n_dof,) without motions."""
         return self._weights.force + self._forces.force
 
-    def change(self, values: Mapping[int, Array]) -> set[int]:
+    def change(self, values: Mapping[int, Sequence[float]]) -> set[int]:
         """Give constant loads other components; returns which of them act on this cable.
 
         values: (m,) as they are set [N, Nm; of a weight m/s^2], by numbers of loads in the mbs.
@@ -72,7 +72,7 @@ class CableLoads:
             self.constant[: len(force)] = force
         return found
 
-    def ramp(self, values: Mapping[int, Array], time: float, end: float) -> set[int]:
+    def ramp(self, values: Mapping[int, Sequence[float]], time: float, end: float) -> set[int]:
         """As `change`, along a line from `time` to `end` [s]."""
         assert self._ramp
         before = self.constant.copy()
@@ -84,7 +84,7 @@ class CableLoads:
 
     def missing(self, time: float) -> float:
         """Share of its change that a `ramp` lacks at `time` [s]."""
-        return float(self._ramp.missing([time])[0]) if self._ramp else 0.0
+        return self._ramp.share(time) if self._ramp else 0.0
 
     @property
     def kept_ramp(self) -> dict[str, list[Any]]:

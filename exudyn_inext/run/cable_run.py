@@ -392,7 +392,7 @@ class CableRun(PacedRun):
     def take_ramp(self, kept: Mapping[str, Any]) -> None:
         self.loads.take_ramp(kept)
 
-    def ramp_loads(self, values: Mapping[int, Array], time: float, end: float) -> set[int]:
+    def ramp_loads(self, values: Mapping[int, Sequence[float]], time: float, end: float) -> set[int]:
         """Let constant loads get to these values along a line; see `CableLoads.ramp`."""
         found = self.loads.ramp(values, time, end)
         if found:

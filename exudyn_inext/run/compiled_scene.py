@@ -123,7 +123,7 @@ class SceneLoads:
         if self._only_moves:
             external[self._on_cables[1].stop : self._last.stop] = self._moved.at(t).T.ravel()
             if self.ramp:
-                external[-1] = self.ramp.missing([t])[0]
+                external[-1] = self.ramp.share(t)
         else:
             (rows, columns), factors = self._on_cables, self.factors([t])[0]
             if rows.stop:

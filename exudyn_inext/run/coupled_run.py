@@ -219,7 +219,7 @@ class CoupledRun(LimitedRun):
         self._take_constants()
         return True
 
-    def set_weights(self, values: Mapping[int, Array]) -> set[int]:
+    def set_weights(self, values: Mapping[int, Sequence[float]]) -> set[int]:
         """Let constant weights of cables be these from now on; returns which of them there are.
 
         values: (3,) [m/s^2], by numbers of loads.

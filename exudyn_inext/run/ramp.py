@@ -53,11 +53,11 @@ class Ramp:
         """(T,) share of the change that is missing at these times [s]: 1 at the start, 0 at the end."""
         if not times[0] < self.end:
             return np.zeros(len(times))
-        end, duration = self.end, self.end - self.start
-        return np.array([_rounded((end - time) / duration) for time in times])
+        return np.array([self.share(time) for time in times])
 
-
-def _rounded(share: float) -> float:
-    if share < ROUND_OFF:
-        return 0.0
-    return 1.0 if share > 1.0 - ROUND_OFF else share
+    def share(self, time: float) -> float:
+        """See `missing`."""
+        share = (self.end - time) / (self.end - self.start) if time < self.end else 0.0
+        if share < ROUND_OFF:
+            return 0.0
+        return 1.0 if share > 1.0 - ROUND_OFF else share

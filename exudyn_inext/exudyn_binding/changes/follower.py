@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import Array
 from ...errors import SceneError
 from ...items.parameters import Parameter
 from ...native.native_items import state_kept
@@ -274,7 +273,7 @@ def _is_force(key: Parameter) -> bool:
 
 
 def _loaded(
-    runs: Sequence[CableRun], values: Mapping[int, Array], line: Line | None
+    runs: Sequence[CableRun], values: Mapping[int, Sequence[float]], line: Line | None
 ) -> list[CableRun] | None:
     """Runs that have taken these values of loads; None if some are no constant loads on these cables.
 
@@ -291,9 +290,12 @@ def _weigh(runs: Sequence[CoupledRun], weights: Mapping[Parameter, Any]) -> bool
     return all(run.set_weights(values) == values.keys() for run in runs)
 
 
-def _components(changed: Mapping[Parameter, Any]) -> dict[int, Array]:
+def _components(changed: Mapping[Parameter, Any]) -> dict[int, list[float]]:
     """(m,) of loads that have been set, by their numbers."""
-    return {key.number: np.atleast_1d(np.asarray(value, dtype=float)) for key, value in changed.items()}
+    return {
+        key.number: value if isinstance(value, list) else np.ravel(value).tolist()
+        for key, value in changed.items()
+    }
 
 
 def _have_begun(runs: Sequence[Run]) -> bool:
