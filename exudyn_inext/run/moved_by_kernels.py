@@ -295,7 +295,7 @@ class MovedByKernels(Mover):
         if of_supports:
             self.put_reactions(times, steps, history[:, 0], history[:, 1], forces, multipliers)
         else:
-            self._joined = times, forces
+            self._joined = times.tolist(), forces
         history[:, 0] -= self._scene.map.reference
         return True
 
