@@ -230,8 +230,8 @@ class ExplicitTimeLoop:
             history = state[:, :, places]
             run.complete(time, row, history, reactions, self._shows_supports)
             state[:, :, places] = history
-        self._data.SetODE2Coordinates_tt(state[0, ACCELERATIONS - 1])
-        self._data.SetAECoordinates(reactions[0])
+        self._data.SetODE2Coordinates_tt(state[0, ACCELERATIONS - 1].tolist())  # faster than arrays
+        self._data.SetAECoordinates(reactions[0].tolist())
 
     @property
     def _asks_ahead(self) -> bool:

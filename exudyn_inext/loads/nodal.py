@@ -104,7 +104,8 @@ class ConstantForces:
         for row in self._out_of_plane:
             if self._values[row]:
                 raise out_of_plane(self._owners[row], self._values[row])
-        return self._values @ self._patterns
+        force: Array = self._values.dot(self._patterns)
+        return force
 
 
 def out_of_plane(load: Any, value: float) -> SceneError:

@@ -162,7 +162,7 @@ class CableLoads:
         if not len(self.pattern):
             return self.constant
         if time != self._time or not self.known_ahead:
-            self._varying = (self.factors([time]) @ self.pattern)[0]
+            self._varying = self.factors([time])[0].dot(self.pattern)
             self._time = time
         forces: Array = self.constant + self._varying
         return forces

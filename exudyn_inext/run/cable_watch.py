@@ -88,7 +88,7 @@ class CableWatch(RunWatch):
     def count_ramp(self, loads: CableLoads, time: float, state: Any) -> None:
         """Count the work of what is missing of loads from a state at `time` [s] on, see `CableLoads.ramp`."""
         size, missing = len(state.q), loads.missing(time)
-        known = loads.pattern[-1, :size] @ state.q, missing, 0, size - 1
+        known = loads.pattern[-1, :size].dot(state.q), missing, 0, size - 1
         for work in self.watch.work, self.watch.kept_work:
             work[-1, PROJECTION:] = known
 
