@@ -56,7 +56,7 @@ class SceneEvaluator:
         require_assembled(mbs)
         self.scene = read_scene(mbs)
         self._loads: dict[int, CableLoads] = {}
-        self._values: dict[int, Array] = {}  # of loads that have been set since
+        self._values: dict[int, Sequence[float]] = {}  # of loads that have been set since
         self._alone: dict[int, SupportedCable] = {}
         self._coupled: CoupledScene | None = None
         self._solved: bytes | None = None  # the state of all parts that has been evaluated last

@@ -356,7 +356,7 @@ class CompiledScene:
             return True
         return bool(self.numbers.read_again(item, value, [system.items for system in self._systems]))
 
-    def take_values(self, changed: Mapping[ChangedItem, Any], line: Line | None) -> bool:
+    def take_values(self, changed: Mapping[Any, Any], line: Line | None) -> bool:
         """As `take_over`, of all these; what are numbers of springs and loads only, along a line if wanted.
 
         line: that one; None: they jump.

@@ -16,7 +16,6 @@ from ..scene.model import CableInScene
 from ..system import accelerate_and_project, index_reduced_rates
 from .cable_loads import CableLoads
 from .cable_run import CableRun, Start
-from .compiled_scene import ChangedItem
 from .consistent_start import StartCorrection, agree
 from .coupled_limits import LimitedRun, steps_until_look
 from .coupled_watch import LENIENCE, CoupledWatch
@@ -186,7 +185,7 @@ class CoupledRun(LimitedRun):
 
     def take_over(
         self,
-        changed: Mapping[ChangedItem, Any],
+        changed: Mapping[Any, Any],
         is_simple: bool,
         time: float,
         line: Line | None = None,

@@ -107,7 +107,7 @@ class MovedByExudyn(Mover):
         parts = self._scene.parts_in_one
         return parts.form.numbers.can_weigh(item) if parts else self._scene.can_weigh(item)
 
-    def take_values(self, changed: Mapping[ChangedItem, Any], line: Line | None = None) -> bool:
+    def take_values(self, changed: Mapping[Any, Any], line: Line | None = None) -> bool:
         parts, masses = self._scene.parts_in_one, [it for it in changed.items() if self.can_weigh(it[0])]
         if masses and not parts:
             self._scene.read_masses_again()

@@ -181,7 +181,7 @@ class MovedByKernels(Mover):
     def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> set[int] | None:
         return self._form.numbers.joints_to_move(markers, objects)
 
-    def take_values(self, changed: Mapping[ChangedItem, Any], line: Line | None = None) -> bool:
+    def take_values(self, changed: Mapping[Any, Any], line: Line | None = None) -> bool:
         return self._form.take_values(changed, line)
 
     @property

@@ -94,7 +94,7 @@ class Mover:
     def take_ramp(self, kept: Mapping[str, Any]) -> None:
         """See `PacedRun.take_ramp`."""
 
-    def take_values(self, changed: Mapping[ChangedItem, Any], line: Line | None = None) -> bool:
+    def take_values(self, changed: Mapping[Any, Any], line: Line | None = None) -> bool:
         """Whether loads, springs and masses that were changed act now; otherwise some may.
 
         changed: parameters, with their values.
