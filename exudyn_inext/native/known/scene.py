@@ -326,6 +326,7 @@ class KnownNumbers:
         if read is None or read.function is not None:
             return False
         self._forces[number], loads[place] = (place, read), read.record
+        self.places_of.cache_clear()
         return True
 
     def _spring_again(self, item: ChangedItem, value: Any, connectors: Any) -> bool:
@@ -336,6 +337,7 @@ class KnownNumbers:
             return True
         known = read_connector(self._mbs.GetObject(number), number, self._reader)
         self._springs[number], connectors[place] = (place, known), known.record
+        self.places_of.cache_clear()
         return True
 
 
