@@ -46,7 +46,7 @@ class SupportedCable:
         self._system = cable_system(cable, 0.0)
         self._free = build_chain(replace(cable, fixed=np.zeros_like(cable.fixed), links=()))
         self._step = 0.0
-        self._last: tuple[Any, ...] = ()
+        self._last: tuple[Any, ...] = ()  # what decides on the state that was solved last
         self._accelerate = Bound(accelerate_and_project, self._system)
         self._set_force = Prepared(force_in_motion if cable.stretches else _force_in_motion)
         self._links: Any = np.zeros(0, link_type(cable.dimension))
@@ -62,6 +62,7 @@ class SupportedCable:
         """
         a, balance = np.zeros(q.shape), np.zeros((len(q), *self._system.chain.shape))
         links: Any = np.zeros((len(q), len(self._links)), self._links.dtype)
+        self._last = ()
         for k in range(len(q)):
             state = self._solve_one(external[k], q[k], v[k], steps[k])
             a[k], links[k] = state.a.ravel(), self._links
@@ -73,8 +74,9 @@ class SupportedCable:
 
     def solved(self, external: Array, q: Array, v: Array, step: float) -> Solved:
         """One state, which may have been the last one; arguments: see `solve`."""
-        if self._last != self._all_of(external, q, v, step):
-            self._solve_one(external, q, v, step)
+        given = external.tobytes(), q.tobytes(), v.tobytes(), step if self._stretches else 0.0
+        if self._last != given:
+            self._state, self._last = self._solve_one(external, q, v, step), given
         return self._system, self._state
 
     def _solve_one(self, external: Array, q: Array, v: Array, step: float) -> SolvedState:
@@ -84,13 +86,7 @@ class SupportedCable:
             self._step = step
         a, rest = np.zeros((2, q.size))
         self._accelerate(external, q, v, 0.0, a, rest)
-        self._last = self._all_of(external, q, v, step)
-        self._state = solved_state(self._system, q.copy(), v.copy(), a)
-        return self._state
-
-    def _all_of(self, external: Array, q: Array, v: Array, step: float) -> tuple[Any, ...]:
-        """What decides on a state that is solved."""
-        return external.tobytes(), q.tobytes(), v.tobytes(), step if self._stretches else 0.0
+        return solved_state(self._system, q.copy(), v.copy(), a)
 
     def _set_balance(self, force: Array, state: SolvedState, balance: Array) -> None:
         """F - M a less what lengths or strains do, but with nodal multipliers and links.

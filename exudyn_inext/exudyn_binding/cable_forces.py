@@ -56,7 +56,7 @@ class SceneEvaluator:
         require_assembled(mbs)
         self.scene = read_scene(mbs)
         self._loads: dict[int, CableLoads] = {}
-        self._values: dict[int, Array] = {}  # of loads that have been set since
+        self._values: dict[int, Sequence[float]] = {}  # of loads that have been set since
         self._alone: dict[int, SupportedCable] = {}
         self._coupled: CoupledScene | None = None
         self._solved: bytes | None = None  # the state of all parts that has been evaluated last
@@ -68,7 +68,7 @@ class SceneEvaluator:
             self._loads[place].change(self._values)
         return self._loads[place]
 
-    def take_forces(self, values: Mapping[int, Array]) -> None:
+    def take_forces(self, values: Mapping[int, Sequence[float]]) -> None:
         """Loads on cables among nothing else have other values, or what is no cable has other forces.
 
         values: see `CableLoads.change`.
@@ -186,7 +186,7 @@ class _Keeper:
         self._cables: dict[int, CableEvaluator] = {}
         self._asked: set[Any] = set()
 
-    def take_forces(self, values: Mapping[int, Array]) -> None:
+    def take_forces(self, values: Mapping[int, Sequence[float]]) -> None:
         """Arguments: see `SceneEvaluator.take_forces`."""
         if self._scene:
             self._scene.take_forces(values)
@@ -333,7 +333,7 @@ def forget_evaluators(sensors: Sequence[Any]) -> None:
         function.keeper.forget()
 
 
-def take_forces(sensors: Sequence[Any], values: Mapping[int, Array]) -> None:
+def take_forces(sensors: Sequence[Any], values: Mapping[int, Sequence[float]]) -> None:
     """No more has been changed than forces: sensors of section forces keep what does not depend on them.
 
     sensors: data of all.   values: see `SceneEvaluator.take_forces`.

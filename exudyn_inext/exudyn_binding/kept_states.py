@@ -31,7 +31,8 @@ class KeptStates:
         while len(self.states) + len(history) // self._every > 2 * KEPT:
             self._every *= 2
             self.states = {k: kept for k, kept in self.states.items() if k % self._every == 0}
-        steps = self.run.steps_before(len(history))
-        for number in range(first + -first % self._every, first + len(history), self._every):
+        numbers = range(first + -first % self._every, first + len(history), self._every)
+        steps = self.run.steps_before(len(history)) if numbers else ()
+        for number in numbers:
             row = number - first
             self.states[number] = grid.time(number + 1), float(steps[row]), history[row, :2].copy()

@@ -230,8 +230,8 @@ class ExplicitTimeLoop:
             history = state[:, :, places]
             run.complete(time, row, history, reactions, self._shows_supports)
             state[:, :, places] = history
-        self._data.SetODE2Coordinates_tt(state[0, ACCELERATIONS - 1])
-        self._data.SetAECoordinates(reactions[0])
+        self._data.SetODE2Coordinates_tt(state[0, ACCELERATIONS - 1].tolist())  # faster than arrays
+        self._data.SetAECoordinates(reactions[0].tolist())
 
     @property
     def _asks_ahead(self) -> bool:
@@ -273,9 +273,11 @@ class ExplicitTimeLoop:
             if self._is_ahead:  # they have been asked in later states
                 self._data.SetTime(self.time)
         self._calm += 1
-        if not (self._is_ahead and length_hint(self._states)):  # mbs is looked at before the next step
+        left = length_hint(self._states)
+        if not (self._is_ahead and left):  # mbs is looked at before the next step
             first, states = self._ahead
-            self._written = [*states[self._taken - first - 1, :2], self._data.GetODE1Coordinates()]
+            present = states[self._computed - left - first - 1]
+            self._written = [present[0], present[1], self._data.GetODE1Coordinates()]
         return state
 
     @property
@@ -318,9 +320,8 @@ class ExplicitTimeLoop:
                 self._put_back()
                 raise
             self._ahead = (first, states[:good])
-            observed = states[:good, : self._observed]
             for block in range(0, good, HANDED_OUT):
-                yield observed[block : block + HANDED_OUT].tolist()
+                yield states[block : min(block + HANDED_OUT, good), : self._observed].tolist()
             if good < len(states):
                 self.error = self._divergence(self.grid.time(first + good), self.grid.time(first + good + 1))
                 self._computed = first + good
@@ -368,10 +369,12 @@ class ExplicitTimeLoop:
 
     def _rehearse(self) -> None:
         """After changes, if functions see the steps, which then cannot be undone."""
-        begins = self.restarts.may_begin(self.grid, self._computed)
-        is_due, self._is_changed = self._is_watched and (begins or self._is_changed), False
+        begins = self._is_watched and self.restarts.may_begin(self.grid, self._computed)
+        is_due, self._is_changed = begins or (self._is_watched and self._is_changed), False
+        if not is_due:
+            return
         most = 0 if self.changes.moves else self.restarts.steps_until_due(self.grid, self._computed)
-        for run in self.runs if is_due else ():
+        for run in self.runs:
             limit = LOOK_AHEAD_LIMIT // (len(run.indices) * self.grid.substeps)
             run.rehearse(self.grid, self._computed, min(most, limit), begins)
 
@@ -398,11 +401,12 @@ class ExplicitTimeLoop:
             history = states if is_all else np.empty((intervals, 3, len(run.indices)))
             run.may_begin_again = begins
             good = min(good, run.record(self.grid, self._computed, history))
-            kept.keep(self.grid, self._computed, history[:good])
+            done = history[:good]
+            kept.keep(self.grid, self._computed, done)
             if good and is_seen and not run.completes:
-                self._complete_last(run, history[:good], reactions)
+                self._complete_last(run, done, reactions)
             elif good and (is_seen or not self._is_watched):
-                self._complete(run, self._computed, history[:good], reactions)
+                self._complete(run, self._computed, done, reactions)
             if not is_all:
                 states[:, :, places] = history
             if run.remembered is not None:
@@ -479,13 +483,14 @@ class ExplicitTimeLoop:
 
         jumps: see `ChangeFollower.follow`.
         """
-        if not self.changes.has_news(self.runs, self.time):
+        time = self.time
+        if not self.changes.has_news(self.runs, time):
             return
         self._withdraw()
         try:
-            runs = self.changes.follow(self.runs, self.time, self.grid.time(self._computed + 1), jumps)
+            runs = self.changes.follow(self.runs, time, self.grid.time(self._computed + 1), jumps)
         except Exception:
-            self._data.SetTime(self.time)
+            self._data.SetTime(time)
             raise
         self._is_changed |= self.changes.is_event
         self._kept.clear()

@@ -5,12 +5,9 @@ from typing import Any, NamedTuple
 import exudyn
 
 KINDS = ("Load", "Object", "Marker", "Node")
-METHODS = {
-    f"{what}{kind}Parameter": getattr(exudyn.MainSystem, f"{what}{kind}Parameter")
-    for what in ("Get", "Set")
-    for kind in KINDS
-}
-
+_GET, _SET = (
+    {kind: getattr(exudyn.MainSystem, f"{what}{kind}Parameter") for kind in KINDS} for what in ("Get", "Set")
+)
 
 _CENTRE = "centerofmass"
 
@@ -27,7 +24,7 @@ class Parameter(NamedTuple):
 
     def value(self, mbs: Any) -> Any:
         """As Exudyn gives it; functions without their description."""
-        value = METHODS[f"Get{self.kind}Parameter"](mbs, self.number, self.name)
+        value = _GET[self.kind](mbs, self.number, self.name)
         return value.get("function", value) if isinstance(value, dict) else value
 
     @property
@@ -46,7 +43,7 @@ class Parameter(NamedTuple):
 
     def set(self, mbs: Any, value: Any) -> None:
         """Set it, unnoted."""
-        METHODS[f"Set{self.kind}Parameter"](mbs, self.number, self.name, value)
+        _SET[self.kind](mbs, self.number, self.name, value)
 
 
 def markers_placed_by(mbs: Any, key: Parameter) -> list[int] | None:

@@ -83,15 +83,15 @@ class ConstantForces:
         are_in_space = [
             load.is_in_space(k, cable.dimension) for load in loads for k in range(len(load.constant))
         ]
-        self._out_of_plane = np.flatnonzero(~np.array(are_in_space, dtype=bool))
+        self._out_of_plane = [row for row, is_there in enumerate(are_in_space) if not is_there]
         self._owners = [load for load in loads for _ in load.constant]
 
-    def change(self, values: Mapping[int, Array]) -> set[int]:
+    def change(self, values: Mapping[int, Sequence[float]]) -> set[int]:
         """Set loads to (m,) as in the mbs, by their numbers; returns those that are forces on this cable."""
         found = self._rows.keys() & values
         for number in found:
             load, own = self._rows[number]
-            self._values[own] = load.scale * values[number]
+            self._values[own] = [load.scale * x for x in values[number]]
         return found
 
     @property
@@ -104,7 +104,8 @@ class ConstantForces:
         for row in self._out_of_plane:
             if self._values[row]:
                 raise out_of_plane(self._owners[row], self._values[row])
-        return self._values @ self._patterns
+        force: Array = self._values.dot(self._patterns)
+        return force
 
 
 def out_of_plane(load: Any, value: float) -> SceneError:

@@ -68,7 +68,7 @@ class ConstantWeights:
         self._elements = np.array([weight.elements[0] for weight in weights], dtype=int)
         self._vectors = np.array([weight.constant for weight in weights]).reshape(-1, 3)
 
-    def change(self, values: Mapping[int, Array]) -> set[int]:
+    def change(self, values: Mapping[int, Sequence[float]]) -> set[int]:
         """Set loads to (3,) [m/s^2], by their numbers; returns those that are weights of this cable."""
         found = self._rows.keys() & values
         for number in found:

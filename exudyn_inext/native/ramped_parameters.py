@@ -37,7 +37,7 @@ class RampedParameters:
     def follow(self, t: float) -> None:
         """Let mbs have what they are at t [s]."""
         if self._lines:
-            self._set(float(self._ramp.missing([t])[0]))
+            self._set(self._ramp.share(t))
 
     def finish(self) -> None:
         """Let mbs have what has been set."""

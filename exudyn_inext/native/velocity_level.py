@@ -164,6 +164,8 @@ class Drives:
         Raises:
             SceneError: something else than the offset, or whether it is active, has changed.
         """
+        if not self._drives:
+            return
         keys = [key for key in changed if key.kind == "Object" and key.number in self._drives]
         for key in keys:
             if key.name not in _MAY_CHANGE:

@@ -61,7 +61,7 @@ class CableLoads:
         """(n_dof,) without motions."""
         return self._weights.force + self._forces.force
 
-    def change(self, values: Mapping[int, Array]) -> set[int]:
+    def change(self, values: Mapping[int, Sequence[float]]) -> set[int]:
         """Give constant loads other components; returns which of them act on this cable.
 
         values: (m,) as they are set [N, Nm; of a weight m/s^2], by numbers of loads in the mbs.
@@ -72,16 +72,19 @@ class CableLoads:
             self.constant[: len(force)] = force
         return found
 
-    def ramp(self, values: Mapping[int, Array], time: float, end: float) -> set[int]:
+    def ramp(self, values: Mapping[int, Sequence[float]], time: float, end: float) -> set[int]:
         """As `change`, along a line from `time` to `end` [s]."""
         assert self._ramp
-        row = self.pattern[-1]
-        np.copyto(row, self.constant)
+        before = self.constant.copy()
         found = self.change(values)
-        np.subtract(row, self.constant, out=row)
+        np.subtract(before, self.constant, out=self.pattern[-1])
         self._ramp.begin(time, end)
         self._time = np.nan
         return found
+
+    def missing(self, time: float) -> float:
+        """Share of its change that a `ramp` lacks at `time` [s]."""
+        return self._ramp.share(time) if self._ramp else 0.0
 
     @property
     def kept_ramp(self) -> dict[str, list[Any]]:
@@ -159,7 +162,7 @@ class CableLoads:
         if not len(self.pattern):
             return self.constant
         if time != self._time or not self.known_ahead:
-            self._varying = (self.factors([time]) @ self.pattern)[0]
+            self._varying = self.factors([time])[0].dot(self.pattern)
             self._time = time
         forces: Array = self.constant + self._varying
         return forces

@@ -277,7 +277,9 @@ class CableRun(PacedRun):
     def solved_among(self, joined: Array | float, time: float, state: Sequence[Array], step: float) -> Solved:
         """As `solved`.   joined: (n_dof,) forces of items and joints."""
         q, v = (x[self.scene_cable.indices] for x in state)
-        return self._supported.solved(self._external_at([time], joined)[0], q + self.reference, v, step)
+        external = self.loads.at(time).copy()
+        external[: len(q)] += joined
+        return self._supported.solved(external, q + self.reference, v, step)
 
     def complete(
         self, times: Array, rows: Places, history: Array, multipliers: Array, of_supports: bool = True
@@ -392,7 +394,7 @@ class CableRun(PacedRun):
     def take_ramp(self, kept: Mapping[str, Any]) -> None:
         self.loads.take_ramp(kept)
 
-    def ramp_loads(self, values: Mapping[int, Array], time: float, end: float) -> set[int]:
+    def ramp_loads(self, values: Mapping[int, Sequence[float]], time: float, end: float) -> set[int]:
         """Let constant loads get to these values along a line; see `CableLoads.ramp`."""
         found = self.loads.ramp(values, time, end)
         if found:
@@ -406,8 +408,9 @@ class CableRun(PacedRun):
         """
         if not self._stretches:
             self.forget()
-        self.start_scheme(time)
-        self.watch.begin_again(self.called, self.loads.at(time), self.state)
+        external = self.loads.at(time)
+        self._start_from(external)
+        self.watch.begin_again(self.called, external, self.state)
         if self.loads.follows:
             self.watch.count_ramp(self.loads, time, self.state)
 
@@ -446,10 +449,12 @@ class CableRun(PacedRun):
 
     def start_scheme(self, time: float) -> None:
         """See `PacedRun.start_scheme`."""
-        memory, external = self._corrections, self.loads.at(time)
-        if self._stretches and remembers_axial_forces(memory):
+        self._start_from(self.loads.at(time))
+
+    def _start_from(self, external: Array) -> None:
+        if self._stretches and remembers_axial_forces(self._corrections):
             given = self.called, external, self.state, self.control.present
-            accelerate_again(*given, [memory], self._learned)
+            accelerate_again(*given, [self._corrections], self._learned)
         else:
             self._start_scheme(self.called, external, self.state)
 

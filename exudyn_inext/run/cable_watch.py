@@ -8,7 +8,7 @@ from ..arrays import Array
 from ..cable.axial import SHORTEST
 from ..cable.cable import Cable
 from ..cable.links import all_links, motions_of
-from ..integrators.integrator import FACTOR, FIRST, PROJECTION
+from ..integrators.integrator import FACTOR, PROJECTION
 from ..scene.model import CableInScene
 from ..system import report_energy
 from .cable_loads import CableLoads
@@ -87,10 +87,10 @@ class CableWatch(RunWatch):
 
     def count_ramp(self, loads: CableLoads, time: float, state: Any) -> None:
         """Count the work of what is missing of loads from a state at `time` [s] on, see `CableLoads.ramp`."""
-        size, missing = len(state.q), loads.factors([time])[0, -1]
+        size, missing = len(state.q), loads.missing(time)
+        known = loads.pattern[-1, :size].dot(state.q), missing, 0, size - 1
         for work in self.watch.work, self.watch.kept_work:
-            work[-1, FIRST:] = 0, size - 1
-            work[-1, PROJECTION], work[-1, FACTOR] = loads.pattern[-1, :size] @ state.q, missing
+            work[-1, PROJECTION:] = known
 
     def _shorten_interval(self) -> bool:
         return bool(self.watch.account["ahead"][FAILED] > LEAST_STEPS)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import pairwise, starmap
 from typing import Any
 
@@ -123,7 +123,7 @@ class SceneLoads:
         if self._only_moves:
             external[self._on_cables[1].stop : self._last.stop] = self._moved.at(t).T.ravel()
             if self.ramp:
-                external[-1] = self.ramp.missing([t])[0]
+                external[-1] = self.ramp.share(t)
         else:
             (rows, columns), factors = self._on_cables, self.factors([t])[0]
             if rows.stop:
@@ -165,7 +165,9 @@ class SceneLoads:
     def sample(self, times: Array) -> LoadHistory:
         """History of steps.   times: (steps, stages) [s]."""
         shape = (*times.shape, len(self.pattern))
-        factors = self.factors(times.ravel().tolist()) if len(self.pattern) else np.zeros(0)
+        if self.are_steady and not (self.ramp and times[0, 0] < self.ramp.end):
+            return LoadHistory(self.constant, self.pattern, np.zeros(shape), NO_WORK)
+        factors = self.factors(times.ravel().tolist())
         return LoadHistory(self.constant, self.pattern, factors.reshape(shape), NO_WORK)
 
 
@@ -348,27 +350,27 @@ class CompiledScene:
             self._set(_with_history(self.system, np.zeros((intervals, len(data)))))
         self.history = self.contacts.history[len(self.contacts.history) - intervals :]
 
-    def take_over(self, item: ChangedItem) -> bool:
+    def take_over(self, item: ChangedItem, value: Any) -> bool:
         """Whether the changed item is now what it is in Exudyn; joints that are moved are not looked at."""
         if item[0] == "Object" and self.can_move(item[1]):
             return True
-        return bool(self.numbers.read_again(item, [system.items for system in self._systems]))
+        return bool(self.numbers.read_again(item, value, [system.items for system in self._systems]))
 
-    def take_values(self, changed: Sequence[ChangedItem], line: Line | None) -> bool:
+    def take_values(self, changed: Mapping[Any, Any], line: Line | None) -> bool:
         """As `take_over`, of all these; what are numbers of springs and loads only, along a line if wanted.
 
         line: that one; None: they jump.
         """
-        ramps, ramp, rows = self.system.items.ramps, self.loads.ramp, set[Any]()
+        ramps, ramp = self.system.items.ramps, self.loads.ramp
         ramps.number[0] = 0
-        for item in changed if line and ramp else ():
-            rows.update(self.numbers.rows_of(item))
-        memories = [(kind, *own, ramps[kind][slice(*own)].copy()) for kind, own in sorted(rows)]
-        if not all(map(self.take_over, changed)):
+        places = self.numbers.places_of(tuple(changed)) if line and ramp else ()
+        before = [ramps[kind][own] for kind, own in places]
+        if not all(starmap(self.take_over, changed.items())):
             return False
-        if memories and line and ramp:
+        if line and ramp and places:
             ramp.begin(*line.step)
-            self._set_ramps(with_ramps(ramps, list(starmap(partial(_changes, ramps), memories))))
+            found = [_changes(ramps, kind, own, was) for (kind, own), was in zip(places, before, strict=True)]
+            self._set_ramps(with_ramps(ramps, found))
         return True
 
     @property
@@ -646,11 +648,11 @@ def _rates_of_compiled(scene: CompiledScene, external: Array, q: Array, v: Array
     index_reduced_rates(scene.system, scene.loads.follow(external, q, v), q, v, *others)
 
 
-def _changes(ramps: Ramps, kind: int, first: int, end: int, before: Array) -> tuple[int, Any, Array, Array]:
+def _changes(ramps: Ramps, kind: int, places: np.ndarray, before: Array) -> tuple[int, Any, Array, Array]:
     """Which of these numbers have changed: kind; places, values before, values."""
-    now = ramps[kind][first:end]
-    own = np.flatnonzero(now.view(np.int64) != before.view(np.int64))
-    return kind, first + own, before[own], now[own]
+    now = ramps[kind][places]
+    own = (now.view(np.int64) != before.view(np.int64)).nonzero()
+    return kind, places[own], before[own], now[own]
 
 
 def off_cable(name: str, beyond: float, at_start: bool) -> OffCableError:

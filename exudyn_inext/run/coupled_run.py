@@ -16,7 +16,6 @@ from ..scene.model import CableInScene
 from ..system import accelerate_and_project, index_reduced_rates
 from .cable_loads import CableLoads
 from .cable_run import CableRun, Start
-from .compiled_scene import ChangedItem
 from .consistent_start import StartCorrection, agree
 from .coupled_limits import LimitedRun, steps_until_look
 from .coupled_watch import LENIENCE, CoupledWatch
@@ -186,15 +185,15 @@ class CoupledRun(LimitedRun):
 
     def take_over(
         self,
-        changed: Sequence[ChangedItem],
+        changed: Mapping[Any, Any],
         is_simple: bool,
         time: float,
         line: Line | None = None,
     ) -> None:
         """Go on from the present state, at `time` [s], with items that were changed.
 
+        changed, line: see `Mover.take_values`.
         is_simple: whether they are loads, springs, masses, and joints that are moved, only.
-        line: see `Mover.take_values`.
         """
         if is_simple and self.mover.take_values(changed, line):
             return
@@ -219,7 +218,7 @@ class CoupledRun(LimitedRun):
         self._take_constants()
         return True
 
-    def set_weights(self, values: Mapping[int, Array]) -> set[int]:
+    def set_weights(self, values: Mapping[int, Sequence[float]]) -> set[int]:
         """Let constant weights of cables be these from now on; returns which of them there are.
 
         values: (3,) [m/s^2], by numbers of loads.
@@ -383,9 +382,11 @@ class CoupledRun(LimitedRun):
         self.mover.begin_record(len(history))
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges
             good = self.advance(grid, first, history)
-        self.mover.end_record(grid, first, history[:good])
-        self._scene.tilted_angles.look(history[:good, 0])
-        history[:good, 0] -= self.reference
+        done = history[:good]
+        places = done[:, 0]
+        self.mover.end_record(grid, first, done)
+        self._scene.tilted_angles.look(places)
+        np.subtract(places, self.reference, out=places)
         return good
 
     @property

@@ -108,7 +108,7 @@ class CoupledWatch(RunWatch):
         most = VIOLENT * tolerance if integrator.stabilised else np.inf
         self.watch = build_watch(state, STEPS_BETWEEN, tolerance, most=most)
         self._draw_up = Prepared(verdict_after_work)
-        self._largest_throw = Prepared(largest_throw)
+        self._largest_throw, self._check_velocities = Prepared(largest_throw), Prepared(check_velocities)
         self._gravity = np.zeros(len(state.q))
         self._start = np.zeros(len(state.q))  # coordinates from which the extent of the motion counts
         self._places = scene.map.slices
@@ -210,7 +210,8 @@ class CoupledWatch(RunWatch):
     @property
     def steps_ahead(self) -> int:
         """That may be taken before the next `is_well_at`."""
-        return min(STEPS_BETWEEN_CHECKS, int(self._counts[_MOST] - self._counts[_STEPS]))
+        steps, most = self._counts.tolist()
+        return min(STEPS_BETWEEN_CHECKS, most - steps)
 
     def count(self, steps: int) -> None:
         """These steps have been taken."""
@@ -232,7 +233,7 @@ class CoupledWatch(RunWatch):
         if self._remembers and (turned := h * self._evaluated.fastest_turn) > MOST_TURN:
             return self._condemn(state, TURNED, turned)
         few = self._counts[_STEPS] < self._counts[_MOST] and not (self.is_close or at_once)
-        if few and check_velocities(state.q, state.v, state.a) <= self._calm:
+        if few and self._check_velocities(state.q, state.v, state.a) <= self._calm:
             return True
         trouble = self._verdict(self.watch, h, t, state)
         self._lacks[SCALE] = max(self._lacks[SCALE], self.turned_over)

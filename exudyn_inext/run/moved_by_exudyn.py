@@ -1,6 +1,7 @@
 """A coupled scene that Python moves, with forces, and what has no compiled form, from Exudyn."""
 
 from collections.abc import Callable, Mapping, Sequence
+from itertools import starmap
 from typing import Any
 
 import numpy as np
@@ -106,12 +107,12 @@ class MovedByExudyn(Mover):
         parts = self._scene.parts_in_one
         return parts.form.numbers.can_weigh(item) if parts else self._scene.can_weigh(item)
 
-    def take_values(self, changed: Sequence[ChangedItem], line: Line | None = None) -> bool:
-        parts, masses = self._scene.parts_in_one, [key for key in changed if self.can_weigh(key)]
+    def take_values(self, changed: Mapping[Any, Any], line: Line | None = None) -> bool:
+        parts, masses = self._scene.parts_in_one, [it for it in changed.items() if self.can_weigh(it[0])]
         if masses and not parts:
             self._scene.read_masses_again()
         self._scene.native_items.ramped.begin(changed, line)
-        return not parts or all(map(parts.form.take_over, masses))
+        return not parts or all(starmap(parts.form.take_over, masses))
 
     @property
     def ramp(self) -> dict[str, list[Any]]:

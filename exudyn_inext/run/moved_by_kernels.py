@@ -181,7 +181,7 @@ class MovedByKernels(Mover):
     def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> set[int] | None:
         return self._form.numbers.joints_to_move(markers, objects)
 
-    def take_values(self, changed: Sequence[ChangedItem], line: Line | None = None) -> bool:
+    def take_values(self, changed: Mapping[Any, Any], line: Line | None = None) -> bool:
         return self._form.take_values(changed, line)
 
     @property
@@ -288,15 +288,16 @@ class MovedByKernels(Mover):
         """See `CableRun.complete`.   steps: (k,) before the states [s]."""
         of_record = self._of_contacts if self._recorded else None
         contacts = None if of_record is None else of_record[rows]
-        history[:, 0] += self._scene.map.reference
+        q, reference = history[:, 0], self._scene.map.reference
+        np.add(q, reference, out=q)
         of_joints, forces = self._form.evaluate(self.cables, times, steps, history, contacts)
-        states = zip(of_joints, times.tolist(), history[:, 0], strict=True)
-        multipliers[:] = [self._scene.native_items.multipliers(*state) for state in states]
+        for k, state in enumerate(zip(of_joints, times.tolist(), q, strict=True)):
+            multipliers[k] = self._scene.native_items.multipliers(*state)
         if of_supports:
-            self.put_reactions(times, steps, history[:, 0], history[:, 1], forces, multipliers)
+            self.put_reactions(times, steps, q, history[:, 1], forces, multipliers)
         else:
-            self._joined = times, forces
-        history[:, 0] -= self._scene.map.reference
+            self._joined = times.tolist(), forces
+        np.subtract(q, reference, out=q)
         return True
 
     def set_accelerations(self, times: Array, steps: Array, history: Array) -> None:

@@ -1,5 +1,6 @@
 """What both ways to move a coupled scene share: by compiled kernels, or with evaluations of Exudyn."""
 
+from bisect import bisect_left
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from typing import Any
@@ -39,7 +40,7 @@ class Mover:
     asks = ""
     elsewhere: Any = None
     dofs_in_implicit_contact: np.ndarray = np.zeros(0, int)
-    _joined: tuple[Array, Array] | None = None  # (k,) times [s], (k, n) forces of items and joints there
+    _joined: tuple[list[float], Array] | None = None  # k times [s], (k, n) forces of items and joints there
     _settled: tuple[Array, Array] | None = None  # (D,), (2, D) what contacts are said to remember, and do
 
     def __init__(
@@ -93,9 +94,10 @@ class Mover:
     def take_ramp(self, kept: Mapping[str, Any]) -> None:
         """See `PacedRun.take_ramp`."""
 
-    def take_values(self, changed: Sequence[ChangedItem], line: Line | None = None) -> bool:
+    def take_values(self, changed: Mapping[Any, Any], line: Line | None = None) -> bool:
         """Whether loads, springs and masses that were changed act now; otherwise some may.
 
+        changed: parameters, with their values.
         line: along which loads and springs change in the next step of the loop; None: they jump.
         """
         raise NotImplementedError
@@ -193,7 +195,7 @@ class Mover:
         times, steps: (k,) of the states, rising, and before them [s].   q, v: (k, n) of all parts.
         forces: (k, n) of items and joints.
         """
-        self._joined = times, forces
+        self._joined = times.tolist(), forces
         for run, dofs in zip(self._runs, self._scene.map.slices, strict=False):
             if run.has_reactions:
                 run.put_reactions(times, forces[:, dofs], q[:, dofs], v[:, dofs], steps, multipliers)
@@ -202,10 +204,9 @@ class Mover:
         """(n,) of items and joints in the state at `time` [s]; None: nobody has asked for its reactions."""
         if self._joined is None or self.approaches:
             return None
-        times, forces = self._joined
-        last = int(times.searchsorted(time + ROUND_OFF * max(abs(time), 1.0))) - 1
-        is_there = last >= 0 and abs(times[last] - time) <= ROUND_OFF * max(abs(time), 1.0)
-        return forces[last] if is_there else None
+        (times, forces), near = self._joined, ROUND_OFF * max(abs(time), 1.0)
+        last = bisect_left(times, time + near) - 1
+        return forces[last] if last >= 0 and abs(times[last] - time) <= near else None
 
 
 @contextmanager

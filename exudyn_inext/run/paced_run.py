@@ -193,7 +193,8 @@ class PacedRun:
         begins = self.watch.may_shorten and (self.may_begin_again or grid.begins_with(first))
         beginning = self.present_state() if begins else None
         while good < len(history) and not self.gave_up:
-            most = len(history) - good if self.looks_ahead or self.asks_ahead else 1
+            most = len(history) - good
+            most = most if most == 1 or self.looks_ahead or self.asks_ahead else 1
             piece = self.control.next(grid, first + good, most)
             if piece is None:
                 self.gave_up = True

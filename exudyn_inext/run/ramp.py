@@ -53,7 +53,11 @@ class Ramp:
         """(T,) share of the change that is missing at these times [s]: 1 at the start, 0 at the end."""
         if not times[0] < self.end:
             return np.zeros(len(times))
-        shares = (self.end - np.asarray(times)) / (self.end - self.start)
-        shares[shares < ROUND_OFF] = 0.0
-        shares[shares > 1.0 - ROUND_OFF] = 1.0
-        return shares
+        return np.array([self.share(time) for time in times])
+
+    def share(self, time: float) -> float:
+        """See `missing`."""
+        share = (self.end - time) / (self.end - self.start) if time < self.end else 0.0
+        if share < ROUND_OFF:
+            return 0.0
+        return 1.0 if share > 1.0 - ROUND_OFF else share

@@ -27,6 +27,7 @@ class Steered:
         self._times = self.memory[:3]  # duration of the step before, begin and end of this one [s]
         self._nothing, *self._powers = np.zeros((4, 3, size))  # of the time that is left
         self._end = 0.0
+        self._asked, self._left = np.nan, self._nothing  # the last time [s], and what `at` said then
         self.moves = False
 
     def aim(self, left: Array, time: float, end: float) -> None:
@@ -40,7 +41,7 @@ class Steered:
         steady, linear, quadratic = self._powers
         linear[0], linear[1] = rates + 0.5 * duration * bend, bend
         steady[1], steady[2], quadratic[0] = -linear[0], -bend, -0.5 * bend
-        self.moves = any(left.tolist())
+        self.moves, self._asked = any(left.tolist()), np.nan
 
     def _turn_over(self, time: float, end: float) -> None:
         """What is known of the step so far becomes that of the step before, if this one is another."""
@@ -57,12 +58,13 @@ class Steered:
         self.moves = False
 
     def at(self, t: float) -> Array:
-        """(3, n) what is left at t [s], within the step or later, and its derivatives."""
+        """(3, n) what is left at t [s], within the step or later, and its derivatives; to be read only."""
         if not self.moves:
             return self._nothing
-        rest, (steady, linear, quadratic) = max(self._end - t, 0.0), self._powers
-        values: Array = steady + rest * (linear + rest * quadratic)
-        return values
+        if t != self._asked:
+            rest, (steady, linear, quadratic) = max(self._end - t, 0.0), self._powers
+            self._asked, self._left = t, steady + rest * (linear + rest * quadratic)
+        return self._left
 
 
 def _smaller(one: Array, other: Array) -> Array:

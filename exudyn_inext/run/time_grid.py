@@ -39,7 +39,7 @@ class TimeGrid:
 
     def time(self, loop_step: int) -> float:
         """Time after that many steps of the loop [s]."""
-        return self.start + self.steps_until(loop_step) * self.h
+        return self.start + (self.before + loop_step * self.substeps) * self.h
 
 
 def time_grid(mbs: Any, settings: Any, wanted: float) -> TimeGrid:

@@ -1,5 +1,6 @@
 """What pre- and post-step functions change acts from that step on, as with Exudyn's implicit solver."""
 
+from contextlib import suppress
 from functools import cache
 from types import SimpleNamespace
 from unittest.mock import Mock
@@ -629,6 +630,35 @@ def test_what_is_changed_and_changed_back_within_a_step_changes_no_bit():
             model.set_object(model.supports[0], activeConnector=active)
 
     np.testing.assert_array_equal(swinging(blink)[0].motion, swinging()[0].motion)
+
+
+def wound_up(is_careless):
+    """A mass point on a spring that gets shorter, until mbs refuses its length, under a force that is set.
+
+    is_careless: whether it is set all the same, and the vector of the force is used for something else.
+    """
+    model, vector = Model(False), [0.0, 0.0, 0.0]
+    body = model.mass_point([2, -0.5, 0])[1]
+    markers = [model.at_point([2, 0, 0]), model.mbs.AddMarker(MarkerBodyPosition(bodyNumber=body))]
+    spring = model.mbs.AddObject(SpringDamper(markerNumbers=markers, referenceLength=0.5, stiffness=20.0))
+    load = model.force(model.nodes[-1])
+
+    def wind(mbs, t):
+        if is_careless or t < 0.0455:
+            with suppress(exudyn.ExudynValueError):
+                mbs.SetObjectParameter(spring, "referenceLength", 0.5 - 11 * t)
+        vector[0] = np.sin(5 * t)
+        mbs.SetLoadParameter(load, "loadVector", vector if is_careless else vector.copy())
+        vector[0] = 1e3 if is_careless else vector[0]
+        return True
+
+    model.mbs.SetPreStepUserFunction(wind)
+    model.run(0.1, 1e-3)
+    return model.motion
+
+
+def test_what_mbs_holds_acts_and_not_what_it_was_given():
+    np.testing.assert_array_equal(wound_up(True), wound_up(False))
 
 
 def test_a_matrix_of_a_generic_object_acts_at_once():

@@ -1,12 +1,11 @@
 """Runs that follow what user functions change between two steps of the time loop."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ...arrays import Array
 from ...errors import SceneError
 from ...items.parameters import Parameter
 from ...native.native_items import state_kept
@@ -56,6 +55,7 @@ class ChangeFollower:
         self._jumps = False  # whether values do in the next step
         self._line: Line | None = None  # along which they change there, if it matters
         self._demands: dict[Parameter, Demand] = {}  # of the present runs
+        self._sorted: tuple[Any, ...] = ()  # what was asked of these last, see `_sort`
 
     def take_step(self, explicit: ExplicitSettings, h: float) -> None:
         """Other runs, and the limit of the step, are for steps of h [s] from now on."""
@@ -101,7 +101,7 @@ class ChangeFollower:
         self._line = Line(time, end, self.log.before) if is_needed and not self._jumps else None
         for run in runs if changed else ():
             run.control.look_soon()
-        self.limit.notice(self.mbs, changed, time, end)
+        self.limit.notice(changed, time, end)
         self._has_jumped(runs, time)
         self.reader.drives.follow(changed, time, end)
         self.reader.begin_step(time, end)
@@ -139,29 +139,39 @@ class ChangeFollower:
 
     def _act_at_once(self, runs: Sequence[Run], changed: Mapping[Parameter, Any], time: float) -> bool:
         """Whether all that has changed are values of loads, springs and masses, which act now."""
-        if self.moves or self._jumped or self.limit.is_due(time) or self.limit.grown(self.mbs, changed):
+        if self.moves or self._jumped or self.limit.is_due(time) or self.limit.grown(changed):
             return False
         alone = _alone(runs)
         if alone:
             return self._load_at_once(alone, changed, time)
-        asked = {key: it for key in changed if (it := self._demand(runs, key))}
-        weights = {key: changed[key] for key, it in asked.items() if it == Demand.WEIGH and _is_force(key)}
-        items = [key for key in asked if key not in weights]
-        most = max((asked[key] for key in items), default=Demand.NOTHING)
+        most, items, weights = self._sort(runs, changed)
         if most > Demand.BEGIN or not _have_begun(runs):
             return False
-        if weights or Demand.BEGIN in asked.values():
+        if weights or most == Demand.BEGIN:
             forget_evaluators(self.sensors)
         else:
             take_forces(self.sensors, {})
         coupled = [run for run in runs if isinstance(run, CoupledRun)]
-        if weights and not _weigh(coupled, weights):
+        if weights and not _weigh(coupled, {key: changed[key] for key in weights}):
             return False
-        if not all([run.mover.take_values(items, self._line_of(most)) for run in coupled]):
+        values = {key: changed[key] for key in items}
+        if not all([run.mover.take_values(values, self._line_of(most)) for run in coupled]):
             return False
         for run in coupled if most == Demand.BEGIN else ():
             start_after_jump(run, run.begin_again, time)
         return True
+
+    def _sort(self, runs: Sequence[Run], changed: Mapping[Parameter, Any]) -> tuple[Demand, Any, Any]:
+        """The most that they ask for, those that ask for anything, and, of neither, weights of cables."""
+        keys = tuple(changed)
+        if self._sorted[:1] != (keys,):
+            asked = {key: it for key in keys if (it := self._demand(runs, key))}
+            weights = [key for key, it in asked.items() if it == Demand.WEIGH and _is_force(key)]
+            items = [key for key in asked if key not in weights]
+            most = max((asked[key] for key in items), default=Demand.NOTHING)
+            self._sorted = keys, most, items, weights
+        _, most, items, weights = self._sorted
+        return most, items, weights
 
     def _line_of(self, asked: Demand) -> Line | None:
         """See `Mover.take_values`; masses jump, and what changes with them."""
@@ -196,17 +206,22 @@ class ChangeFollower:
         self.moves = self.reader.moves
         return True
 
-    def _acting(self, runs: Sequence[Run], changed: Collection[Parameter]) -> list[Parameter]:
+    def _acting(self, runs: Sequence[Run], changed: Mapping[Parameter, Any]) -> dict[Parameter, Any]:
         asked = {key: self._demand(runs, key) for key in changed}
-        return [key for key, it in asked.items() if Demand.NOTHING < it < Demand.WEIGH and it != Demand.DRIVE]
+        own = (key for key, it in asked.items() if Demand.NOTHING < it < Demand.WEIGH and it != Demand.DRIVE)
+        return {key: changed[key] for key in own}
 
     def _demand(self, runs: Sequence[Run], key: Parameter) -> Demand:
         if key not in self._demands:
             self._demands[key] = demand(self.mbs, runs, self.scene.own_constraints, key)
         return self._demands[key]
 
+    def _forget_demands(self) -> None:
+        self._demands.clear()
+        self._sorted = ()
+
     def _take_over(
-        self, runs: Sequence[Run], changed: Collection[Parameter], asked: Demand, time: float
+        self, runs: Sequence[Run], changed: Mapping[Parameter, Any], asked: Demand, time: float
     ) -> None:
         """See `CoupledRun.take_over`; whoever evaluates a run then may demand something else."""
         items, ways = self._acting(runs, changed), [run.evaluated_by for run in runs]
@@ -214,10 +229,10 @@ class ChangeFollower:
             if isinstance(run, CoupledRun):
                 run.take_over(items, asked <= Demand.WEIGH, time, self._line_of(asked))
         if ways != [run.evaluated_by for run in runs]:
-            self._demands.clear()
+            self._forget_demands()
 
     def _followed(
-        self, runs: Sequence[Run], changed: Collection[Parameter], time: float, end: float
+        self, runs: Sequence[Run], changed: Mapping[Parameter, Any], time: float, end: float
     ) -> Sequence[Run]:
         asked = max((self._demand(runs, key) for key in changed), default=Demand.EVALUATE)
         if changed:
@@ -225,7 +240,7 @@ class ChangeFollower:
             if asked < Demand.BUILD:
                 self._take_over(runs, changed, asked, time)
         if asked < Demand.WEIGH:
-            is_stiffer = self.limit.follow_stiffness(self.mbs, runs, changed, time)
+            is_stiffer = self.limit.follow_stiffness(runs, changed, time)
             has_moved = self._jumped or asked == Demand.MOVE
             if self.moves or is_stiffer or has_moved or asked >= Demand.BEGIN:
                 _go_on(runs, time, end, has_moved)
@@ -233,7 +248,7 @@ class ChangeFollower:
                 for run in runs:
                     run.start(time)
             return runs
-        self._demands.clear()
+        self._forget_demands()
         before, scene = self.scene, read_scene(self.mbs, self.reader)
         self.scene = scene
         same_items = same_cables(before, scene) and sorted(before.foreign) == sorted(scene.foreign)
@@ -241,7 +256,7 @@ class ChangeFollower:
             _go_on(runs, time, end, has_changed=True)
             return runs
         new = self.builder.build(scene, time, state_of(self.mbs), end)
-        self.limit.take_over(self.mbs, runs, new, time, changed)
+        self.limit.take_over(runs, new, time, changed)
         for run in new:
             run.start(time)
         self._figures = worst_figures([*runs, self])
@@ -258,7 +273,7 @@ def _is_force(key: Parameter) -> bool:
 
 
 def _loaded(
-    runs: Sequence[CableRun], values: Mapping[int, Array], line: Line | None
+    runs: Sequence[CableRun], values: Mapping[int, Sequence[float]], line: Line | None
 ) -> list[CableRun] | None:
     """Runs that have taken these values of loads; None if some are no constant loads on these cables.
 
@@ -275,9 +290,12 @@ def _weigh(runs: Sequence[CoupledRun], weights: Mapping[Parameter, Any]) -> bool
     return all(run.set_weights(values) == values.keys() for run in runs)
 
 
-def _components(changed: Mapping[Parameter, Any]) -> dict[int, Array]:
+def _components(changed: Mapping[Parameter, Any]) -> dict[int, list[float]]:
     """(m,) of loads that have been set, by their numbers."""
-    return {key.number: np.atleast_1d(np.asarray(value, dtype=float)) for key, value in changed.items()}
+    return {
+        key.number: value if isinstance(value, list) else np.ravel(value).tolist()
+        for key, value in changed.items()
+    }
 
 
 def _have_begun(runs: Sequence[Run]) -> bool:

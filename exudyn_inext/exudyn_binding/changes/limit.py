@@ -62,32 +62,33 @@ class StepLimit:
         """Whether the limit is to be looked at, as stiffnesses are smaller for a while, at `time` [s]."""
         return time >= self._due
 
-    def notice(self, mbs: Any, changed: Collection[Parameter], time: float, end: float) -> None:
-        """Which stiffnesses are much smaller from `time` to `end` [s], the next step of the loop."""
+    def notice(self, changed: Mapping[Parameter, Any], time: float, end: float) -> None:
+        """Which stiffnesses are much smaller from `time` to `end` [s], the next step of the loop.
+
+        changed: parameters, with their values.
+        """
         if self.explicit.adaptiveStep or self.explicit.stepSize is not None:
             return
         for key in self._seen.keys() & changed:
-            size = _size(mbs, key)
+            size = _size(key, changed[key])
             if size < FALL * self._seen[key]:
                 self._fallen[key] = size
                 self._due = time + (WAIT - 0.5) * (end - time)
             elif self._fallen.pop(key, None) is not None and not self._fallen:
                 self._due = math.inf
 
-    def grown(self, mbs: Any, changed: Collection[Parameter]) -> dict[Parameter, float]:
+    def grown(self, changed: Mapping[Parameter, Any]) -> dict[Parameter, float]:
         """Stiffnesses that are much larger than when the limit was looked at, and how large they are."""
-        sizes = {key: _size(mbs, key) for key in filter(_bounds_the_step, changed)}
+        sizes = {key: _size(key, changed[key]) for key in filter(_bounds_the_step, changed)}
         return {key: size for key, size in sizes.items() if size > GROWTH * self._seen.get(key, 0.0)}
 
-    def follow_stiffness(
-        self, mbs: Any, runs: Sequence[Run], changed: Collection[Parameter], time: float
-    ) -> bool:
+    def follow_stiffness(self, runs: Sequence[Run], changed: Mapping[Parameter, Any], time: float) -> bool:
         """Whether the runs must begin again, as something around them has become much stiffer, or softer.
 
         Raises:
             StepSizeError: the change has brought the limit below the step.
         """
-        grown = self.grown(mbs, changed)
+        grown = self.grown(changed)
         is_due = self.is_due(time)
         if is_due:
             self._seen |= self._fallen
@@ -102,18 +103,17 @@ class StepLimit:
 
     def take_over(
         self,
-        mbs: Any,
         before: Sequence[Run],
         runs: Sequence[Run],
         time: float,
-        changed: Collection[Parameter],
+        changed: Mapping[Parameter, Any],
     ) -> None:
         """Other runs, which have not begun yet.
 
         Raises:
             StepSizeError: the change has brought the limit below the step.
         """
-        self._seen |= self.grown(mbs, changed)
+        self._seen |= self.grown(changed)
         for run in before:
             if isinstance(run, CoupledRun) and run.damps_implicitly:
                 damp_implicitly(runs, run.explicit_limit)
@@ -154,9 +154,8 @@ class StepLimit:
         return all([run.control.divide_by(max(parts, 1)) for run in runs])
 
 
-def _size(mbs: Any, key: Parameter) -> float:
+def _size(key: Parameter, value: Any) -> float:
     """Largest value of a stiffness, damping or lever; of masses, the inverse of the smallest one."""
-    value = key.value(mbs)
     if key.is_mass and not key.is_centre:
         sizes = [abs(x) for x in np.ravel(value).tolist() if x]
         return 1.0 / min(sizes, default=np.inf)

@@ -25,6 +25,7 @@ _SETTERS = {f"Set{kind}Parameter": kind for kind in KINDS}
 _FUNCTION = "function"  # in place of one, which a file cannot hold
 _REMEDY = "build all items before the run, and switch them by activeConnector"
 _SENSOR = "GetSensorValues"
+_NUMBERS = float, int
 _OF_MBS = (
     *(f"{what}{kind}" for what in ("Add", "Delete", "Modify") for kind in (*KINDS, "Sensor")),
     *("AddGeneralContact", "DeleteGeneralContact", "Assemble", "Reset", "SetDictionary"),
@@ -57,7 +58,7 @@ class ChangeLog:
         self.before: dict[Parameter, Any] = {}
         self.refusal: SceneError = SceneError("")
         self._known: dict[Parameter, Any] = {}  # values when the log was taken last
-        self._set: dict[Parameter, Any] = {}  # present values of what has been set since then
+        self._set: dict[Parameter, Any] = {}  # present values of what has been set since then; None: ask mbs
         self._waiting: dict[Parameter, Any] = {}  # values to be set, see `restore`
         self.has_jumped = False
 
@@ -65,7 +66,7 @@ class ChangeLog:
     def is_pending(self) -> bool:
         """Whether there is something to take."""
         if self._set and not self.is_outdated:
-            present = {key: key.value(self.mbs) for key in self._set}
+            present = {key: self._read(key) if x is None else x for key, x in self._set.items()}
             self._set = {key: x for key, x in present.items() if not _is_same(x, self._known[key])}
         return bool(self._set) or self.is_outdated or not self.mbs.systemIsConsistent
 
@@ -141,15 +142,22 @@ class ChangeLog:
             return
         number, name, value = given
         key = Parameter(_SETTERS[method], int(number), name)
-        if key.name == "name" or key.name.startswith("V"):
-            return
         if key not in self._known:
-            self._known[key] = key.value(self.mbs)
+            if name == "name" or name.startswith("V"):
+                return
+            self._known[key] = self._read(key)
         if key not in self.changed and not _is_same(self._known[key], value):
             self._require_possible(key)
             self.changed[key] = -math.inf
-        self._set[key] = value
+        self._set[key] = _as_known(self._known[key], value)
         self.has_jumped |= self.is_idle
+
+    def _read(self, key: Parameter) -> Any:
+        return _listed(key.value(self.mbs))
+
+    def doubt(self) -> None:
+        """The call that was noted last has failed: mbs knows what has been set."""
+        self._set = dict.fromkeys(self._set)
 
     def _require_possible(self, key: Parameter) -> None:
         if key.name in _CONNECTIONS or (key.kind, key.name) == ("Node", "referenceCoordinates"):
@@ -213,10 +221,6 @@ def _set_methods(methods: Mapping[str, Any]) -> None:
         setattr(exudyn.MainSystem, name, method)
 
 
-def _logs_of(mbs: Any) -> list[ChangeLog]:
-    return [log for log in _LISTENING if log.mbs is mbs]
-
-
 def _is_same(x: Any, y: Any) -> bool:
     """Whether two values of a parameter are equal: numbers, lists, arrays, functions, or anything else."""
     try:
@@ -227,6 +231,23 @@ def _is_same(x: Any, y: Any) -> bool:
         return x is y or bool(np.array_equal(x, y))
     except (TypeError, ValueError):
         return False
+
+
+def _listed(value: Any) -> Any:
+    """Arrays (n,) of real numbers as lists: small ones are compared and multiplied faster."""
+    is_vector = isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype == np.float64
+    return value.tolist() if is_vector else value
+
+
+def _as_known(known: Any, value: Any) -> Any:
+    """A value as Exudyn gives it, if both are real numbers of one form; None: ask it, which takes longer."""
+    if isinstance(known, float):
+        return float(value) if isinstance(value, _NUMBERS) else None
+    value = value if isinstance(value, list) else _listed(value)
+    if not (isinstance(value, list) and isinstance(known, list) and known and isinstance(known[0], float)):
+        return None
+    numbers = [float(x) for x in value if isinstance(x, _NUMBERS)]
+    return numbers if len(numbers) == len(value) == len(known) else None
 
 
 def _as_data(value: Any) -> Any:
@@ -247,9 +268,16 @@ def _noted(name: str) -> Callable[..., Any]:
     @wraps(original)
     def call(self: Any, *args: Any, **kwargs: Any) -> Any:
         given = [*args, *(kwargs[key] for key in names if key in kwargs)] if kwargs else args
-        for log in _logs_of(self) if not names or len(given) == len(names) else ():
+        is_complete = not names or len(given) == len(names)
+        logs = [log for log in _LISTENING if log.mbs is self] if is_complete else []
+        for log in logs:
             log.note(name, given)
-        return original(self, *args, **kwargs)
+        try:
+            return original(self, *args, **kwargs)
+        except Exception:
+            for log in logs:
+                log.doubt()
+            raise
 
     return call
 

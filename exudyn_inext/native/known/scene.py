@@ -2,7 +2,9 @@
 
 from collections.abc import Collection, Sequence, Set
 from contextlib import nullcontext, suppress
-from functools import cache, cached_property, partial
+from functools import cache, cached_property, lru_cache, partial
+from itertools import groupby
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -15,7 +17,7 @@ from ...items.parameters import Parameter, markers_placed_by
 from ...multibody.build import KnownItems
 from ...multibody.connectors import CONNECTOR
 from ...multibody.linear_forces import LINEAR_FORCE
-from ...multibody.loads import LOAD, NONE
+from ...multibody.loads import LOAD
 from ...multibody.points import POINT
 from ...multibody.ramps import CONNECTORS, LINEAR_FORCES, LOADS, POINTS
 from ...multibody.scene import Items
@@ -127,6 +129,7 @@ class KnownNumbers:
         self._springs: dict[int, tuple[int, KnownConnector]] = {}  # place of each, by its number
         self._matrices: dict[int, slice] = {}  # places of their linear forces
         self._forces: dict[int, tuple[int, KnownLoad]] = {}
+        self.places_of = lru_cache(self._places_of)
 
     def add_object(self, number: int) -> None:
         """A connector, or what does nothing; UnknownItemError if it has no compiled form."""
@@ -213,9 +216,10 @@ class KnownNumbers:
                 weights.setdefault(body, []).append(load)
         return weights
 
-    def read_again(self, item: ChangedItem, memories: Sequence[Items]) -> bool:
+    def read_again(self, item: ChangedItem, value: Any, memories: Sequence[Items]) -> bool:
         """Bring records of a changed item up to date; False if they cannot be.
 
+        value: of the parameter.
         memories: of all systems that have them; connectors and loads are the same ones in all of them.
         """
         kind, number, name = item
@@ -234,17 +238,25 @@ class KnownNumbers:
         before = self._reader.number_of_points
         try:
             is_known = (
-                self._load_again(item, loads) if kind == "Load" else self._spring_again(item, connectors)
+                self._load_again(item, value, loads)
+                if kind == "Load"
+                else self._spring_again(item, value, connectors)
             )
         except UnknownItemError:
             return False
         return is_known and self._reader.number_of_points == before
 
-    def rows_of(self, item: ChangedItem) -> list[tuple[int, tuple[int, int]]]:
-        """Kind, first and end of the numbers of records that follow a parameter, if nothing else does.
+    def _places_of(self, items: Sequence[ChangedItem]) -> list[tuple[int, np.ndarray]]:
+        """Kinds and places (k,) of the numbers of records that follow parameters, if nothing else does.
 
-        Numbers as `multibody.ramps` counts them.
+        As `multibody.ramps` has them.
         """
+        rows = sorted({row for item in items for row in self._rows_of(item)})
+        alike = groupby(rows, itemgetter(0))
+        return [(kind, np.concatenate([np.arange(*own) for _, *own in found])) for kind, found in alike]
+
+    def _rows_of(self, item: ChangedItem) -> list[tuple[int, int, int]]:
+        """Kind, first and end of the numbers that follow a parameter."""
         kind, number, name = item
         found: list[tuple[int, Any, slice]] = []
         if kind == "Load" and name in _FORCES and number in self._forces:
@@ -261,7 +273,7 @@ class KnownNumbers:
             places = filter(None, map(self._reader.place_of, markers))
             found = [(POINTS, POINT, _one((place.point, place))) for place in places]
         sizes = [(kind, record.itemsize // 8, own) for kind, record, own in found]
-        return [(kind, (size * own.start, size * own.stop)) for kind, size, own in sizes]
+        return [(kind, size * own.start, size * own.stop) for kind, size, own in sizes]
 
     def _read_matrices(self, number: int) -> Any:
         return read_linear_forces(self._mbs, number, self._coordinates)
@@ -297,32 +309,35 @@ class KnownNumbers:
         for load in self._weights.get(number, ()):
             place, known = self._forces[load]
             self._forces[load] = place, known._replace(scale=mass[0, 0])
-            self._load_again(("Load", load, "loadVector"), loads)
+            item = "Load", load, "loadVector"
+            self._load_again(item, Parameter(*item).value(self._mbs), loads)
         return True
 
-    def _load_again(self, item: ChangedItem, loads: Any) -> bool:
+    def _load_again(self, item: ChangedItem, value: Any, loads: Any) -> bool:
         _, number, name = item
         place, known = self._forces[number]
-        if loads["function"][place] != NONE:
+        if known.function is not None:
             return False
         if name in _FORCES:
-            value = np.atleast_1d(self._mbs.GetLoadParameter(number, name))
-            loads["constant"][place, : len(value)] = known.scale * value
+            values = [known.scale * x for x in (value if isinstance(value, list) else np.ravel(value))]
+            loads["constant"][place, : len(values)] = values
             return True
         read = read_load(self._mbs, number, self._reader)
         if read is None or read.function is not None:
             return False
         self._forces[number], loads[place] = (place, read), read.record
+        self.places_of.cache_clear()
         return True
 
-    def _spring_again(self, item: ChangedItem, connectors: Any) -> bool:
+    def _spring_again(self, item: ChangedItem, value: Any, connectors: Any) -> bool:
         _, number, name = item
         place, known = self._springs[number]
         if name in VALUES:
-            known.set(name, self._mbs.GetObjectParameter(number, name), connectors[place])
+            known.set(name, value, connectors[place])
             return True
         known = read_connector(self._mbs.GetObject(number), number, self._reader)
         self._springs[number], connectors[place] = (place, known), known.record
+        self.places_of.cache_clear()
         return True
 
 
