@@ -23,6 +23,7 @@ from ..items.functions_of_time import functions_at_rest
 from ..items.link_items import read_held_coordinate, read_moving_coordinate, read_rod
 from ..items.load_items import read_load
 from ..items.mass_points import mass_of_point, node_of_mass_point, require_none_connected
+from ..items.replace_native import require_as_replaced
 from ..loads.nodal import NodalLoad
 from ..loads.weight import ElementWeight
 from ..run.load_functions import Asked, LoadFunctions
@@ -132,6 +133,7 @@ def _contents(mbs: Any, read: Callable[..., Constraint | None]) -> Contents:
     for number, data in enumerate(objects):
         if (item := find_cable_item(data)) is not None:
             _require_no_matrices(item, data)
+            require_as_replaced(item, data["name"], objects)
             contents.items[number] = item
             contents.names[number] = data["name"]
     on_cables = {node for item in contents.items.values() for node in item.nodes}

@@ -79,12 +79,16 @@ def _followers(elements: Elements, breaks: Container[int]) -> dict[int, int]:
         ends[last].append(number)
     through = [node for node in ends if len(ends[node]) == len(starts[node]) == 1 and node not in breaks]
     pairs = [(ends[node][0], starts[node][0]) for node in through]
-    return {one: other for one, other in pairs if _section(elements[one]) == _section(elements[other])}
+    return {one: other for one, other in pairs if _are_alike(elements[one], elements[other])}
 
 
-def _section(data: dict[str, Any]) -> list[Any]:
-    names = (*_PROPERTIES, *FUNCTIONS)
-    return [data["objectType"], *(_value(data[name]) for name in names if name in data)]
+def _are_alike(one: dict[str, Any], other: dict[str, Any]) -> bool:
+    return one["objectType"] == other["objectType"] and section_of(one) == section_of(other)
+
+
+def section_of(data: dict[str, Any]) -> dict[str, Any]:
+    """What an element has of its template.   data: of the object."""
+    return {name: _value(data[name]) for name in (*_PROPERTIES, *FUNCTIONS) if name in data}
 
 
 def _value(value: Any) -> Any:
@@ -101,8 +105,7 @@ def _row(first: int, after: Mapping[int, int]) -> list[int]:
 
 def _chain(elements: Elements, numbers: list[int], closed: bool) -> NativeChain:
     row = [elements[number] for number in numbers]
-    names = [name for name in (*_PROPERTIES, *FUNCTIONS) if name in row[0]]
-    template = _TEMPLATES[row[0]["objectType"]](**{name: _value(row[0][name]) for name in names})
+    template = _TEMPLATES[row[0]["objectType"]](**section_of(row[0]))
     nodes = [int(row[0]["nodeNumbers"][0]), *(int(data["nodeNumbers"][1]) for data in row)]
     lengths = tuple(float(data["length"]) for data in row)
     return NativeChain(tuple(numbers), tuple(nodes[: len(nodes) - closed]), template, lengths, closed)

@@ -1,5 +1,6 @@
 """ReplaceNativeCables: cables in the place of the native ANCF elements of an mbs, on the same nodes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -9,9 +10,9 @@ from exudyn.itemInterface import NodePoint2DSlope1, NodePointSlope1
 
 from ..cable.cable import Cable
 from ..checks import require_flag
-from ..errors import InputError
+from ..errors import InputError, SceneError
 from ..scene.model import CableItem
-from .arguments import object_number, require_system
+from .arguments import described, object_number, require_system
 from .attach.companions import forget_companions
 from .attach.inert import ANCF_CABLES, INERT, is_inert_cable
 from .attach.shared_node import SharedNode, shared_node
@@ -19,7 +20,7 @@ from .attach.user_forces import add_user_forces, user_forces_of
 from .cable_data import find_cable_item
 from .cable_item import add_object, cable_of
 from .enforcement import find_enforcement
-from .native_chains import FUNCTIONS, Elements, NativeChain, native_chains
+from .native_chains import FUNCTIONS, Elements, NativeChain, native_chains, section_of
 from .shape import check_shape
 from .template import InextensibleCable, stiffness_left_out
 
@@ -138,8 +139,8 @@ def _add(mbs: Any, new: _Replacement, taken: set[int]) -> dict[str, Any]:
     made = add_object(mbs, item, way)
     for place, node in joined.items():
         made["constraintObjects"] += node.join(mbs, nodes[place], cable.reference[place, 1])
-    for element, pair in zip(new.chain.elements, pairwise(item.node_names), strict=True):
-        _make_companion(mbs, element, pair)
+    pairs = zip(new.chain.elements, pairwise(item.node_names), strict=True)
+    item.replaced = {element: _made_companion(mbs, element, pair) for element, pair in pairs}
     add_user_forces(mbs, item, new.section, new.functions)
     return made
 
@@ -152,10 +153,25 @@ def _copied_node(mbs: Any, node: int) -> int:
     return int(mbs.AddNode(node_type(**{name: list(data[name]) for name in names})))
 
 
-def _make_companion(mbs: Any, element: int, nodes: tuple[int, int]) -> None:
+def _made_companion(mbs: Any, element: int, nodes: tuple[int, int]) -> dict[str, Any]:
+    """What is left of its section."""
     mbs.SetObjectParameter(element, "nodeNumbers", list(nodes))
-    for name in INERT:
-        mbs.SetObjectParameter(element, name, 0.0)
-    for name in FUNCTIONS:
-        if mbs.GetObject(element).get(name):
-            mbs.SetObjectParameter(element, name, 0)
+    section = section_of(mbs.GetObject(element))
+    for name in section.keys() & {*INERT, *FUNCTIONS}:
+        mbs.SetObjectParameter(element, name, 0)
+    return section_of(mbs.GetObject(element))
+
+
+def require_as_replaced(item: CableItem, name: str, objects: Sequence[dict[str, Any]]) -> None:
+    """Raise SceneError if an element that a cable replaced has got other properties since then.
+
+    name: of the cable.   objects: data of all of mbs.
+    """
+    for number, left in item.replaced.items():
+        present = section_of(objects[number])
+        for what in (key for key in left if present[key] != left[key]):
+            raise SceneError(
+                f"{what} = {present[what]!r} was set of {described(objects[number], number)}, in whose place "
+                f"cable '{name}' is, which would not have it: set it before ReplaceNativeCables is called, "
+                "or leave that element to Exudyn, by objectNumbers."
+            )

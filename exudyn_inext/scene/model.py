@@ -28,6 +28,7 @@ class CableItem:
     held: (n, 2, dim) coordinates that the ground holds without a constraint object of the mbs.
     shared: nodes of other cables whose position and slope these nodes have, by their numbers.
     left_out: axial stiffness of the native template of a cable that does not stretch [N]; None: not known.
+    replaced: native elements in whose place the cable is, by their numbers, with their properties since then.
     """
 
     cable: Cable
@@ -37,6 +38,7 @@ class CableItem:
     held: np.ndarray
     shared: Mapping[int, int] = field(default_factory=dict)
     left_out: float | None = None
+    replaced: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
 
     @property
     def leaves_stretch_out(self) -> bool:

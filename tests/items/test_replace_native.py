@@ -250,6 +250,30 @@ def test_what_is_left_on_a_node_of_a_cable_is_refused_and_can_be_replaced_later(
     np.testing.assert_allclose(found[1], found[0], atol=5e-4)  # of 0.4 m
 
 
+@pytest.mark.parametrize("name", ["bendingStiffness", "referenceAxialStrain"])
+@pytest.mark.parametrize("with_body", [False, True])
+def test_properties_of_elements_that_are_set_later_are_refused(mbs, solve, name, with_body):
+    made = GenerateBeamElementsAlongLine(mbs, **line())
+    if with_body:
+        mbs.CreateMassPoint(referencePosition=[0, 1, 0], mass=1.0, gravity=GRAVITY)
+    ReplaceNativeCables(mbs)
+    mbs.Assemble()
+    element = made["elements"][2]
+    said = rf"{name} = 0.01 was set of object 2 .*\(ANCFCable2D\), in whose place cable .*before Replace"
+
+    def change(mbs, t):
+        mbs.SetObjectParameter(element, name, 0.01)
+        return True
+
+    mbs.SetPreStepUserFunction(change)
+    for _ in range(2):  # in a run, and before one
+        with pytest.raises(SceneError, match=said):
+            solve(mbs, 0.1, steps=10)
+        mbs.SetPreStepUserFunction(0)
+    mbs.SetObjectParameter(element, name, 0.0)
+    assert solve(mbs, 0.1, steps=10)["success"]
+
+
 def test_elements_without_counterpart_are_named_and_nothing_is_changed(mbs, contents):
     GenerateBeamElementsAlongLine(mbs, **line(elements=2))
     strained = template(section=THIN, referenceAxialStrain=-0.01)
