@@ -2,6 +2,7 @@
 
 import math
 import warnings
+from collections import defaultdict
 from collections.abc import Callable, Collection, Sequence
 from functools import cached_property
 from typing import Any
@@ -154,18 +155,21 @@ def _derivatives_of(sensor: dict[str, Any]) -> int:
 def warn_of_empty_sensors(mbs: Any, sensors: Sequence[Any], enforcing: Collection[int]) -> None:
     """Warn of sensors of forces and energies that companions, and what keeps lengths natively, lack.
 
+    One warning for each output, of its first sensor.
+
     Args:
         mbs: the system.   sensors: data of all of its sensors.
         enforcing: constraints by which cables keep their length under native solvers.
     """
+    empty = defaultdict(list)
     for number, sensor in enumerate(sensors):
-        why = _emptiness(mbs, sensor, enforcing)
-        if why:
-            warnings.warn(
-                f"sensor {number} '{sensor['name']}' measures {sensor['outputVariableType']} of {why}: it is "
-                f"zero. Use {_WITHOUT_COMPANIONS.get(sensor['outputVariableType'], _FORCE_SENSOR)}.",
-                stacklevel=3,
-            )
+        if why := _emptiness(mbs, sensor, enforcing):
+            output = sensor["outputVariableType"]
+            empty[output].append(f"sensor {number} '{sensor['name']}' measures {output} of {why}: it is zero")
+    for output, (first, *others) in empty.items():
+        more = f", as are {len(others)} other sensors" if others else ""
+        instead = _WITHOUT_COMPANIONS.get(output, _FORCE_SENSOR)
+        warnings.warn(f"{first}{more}. Use {instead}.", stacklevel=3)
 
 
 def _emptiness(mbs: Any, sensor: dict[str, Any], enforcing: Collection[int]) -> str:

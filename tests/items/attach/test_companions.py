@@ -113,6 +113,15 @@ def test_sensor_of_what_a_companion_lacks_is_warned_of(mbs, add_pendulum, solve,
         solve(mbs, 0.01)
 
 
+def test_sensors_of_the_same_output_are_warned_of_together(mbs, add_pendulum, solve):
+    for body in CreateCompanionCables(mbs, add_pendulum(mbs)):
+        mbs.AddSensor(SensorBody(bodyNumber=body, outputVariableType=exudyn.OutputVariableType.ForceLocal))
+    mbs.Assemble()
+    with pytest.warns(UserWarning, match=r"sensor 0 .* it is zero, as are 4 other sensors\. Use") as found:
+        solve(mbs)
+    assert len(found) == 1
+
+
 def tip_with_force(mbs, add_pendulum, add_sensor, solve, attach, **changes):
     """Trajectory of the tip, with a step that resolves both meshes; `attach` adds a force."""
     cable = add_pendulum(mbs, **changes)
