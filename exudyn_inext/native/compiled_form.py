@@ -109,7 +109,8 @@ def require_agreement(
         if number and random:
             disturb(contacts, form.system.items.connectors, random)
         scene.remember(contacts.data)
-        settle_general_contact(scene, t, at, rates)
+        if not form.remembers:  # else a GeneralContact does nothing, and nothing else may settle
+            settle_general_contact(scene, t, at, rates)
         given = scene.native_items.act(t, at, rates)[scene.map.slices[-1]]
         if not has_forces:
             form.given[: len(scene.map.indices)] = scene.native_items.native_forces
@@ -121,7 +122,8 @@ def require_agreement(
         if number and form.remembers:
             _compare_contacts(scene, form, t, at, rates)
     contacts.data[:] = remembered
-    settle_general_contact(scene, t, q, v)
+    if not form.remembers:
+        settle_general_contact(scene, t, q, v)
     parts, own_parts = (np.array([one[0] for one in side]) for side in (wanted, found))
     _compare_parts(scene, parts, own_parts, np.array([sizes for _, _, sizes in wanted]))
     if scene.joints:

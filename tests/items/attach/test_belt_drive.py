@@ -9,6 +9,7 @@ from exudyn.itemInterface import (
     CoordinateConstraint,
     LoadCoordinate,
     MarkerNodeCoordinate,
+    MarkerNodeRigid,
     NodePoint2DSlope1,
     NodePointGround,
     NodeRigidBody2D,
@@ -117,6 +118,23 @@ def test_a_belt_drive_turns_as_a_native_one(belt_drive, solve):
     found, expected = turns(mbs, sensors)[:, -1], turns(twin, native)[:, -1]
     assert expected.min() > 0.1
     np.testing.assert_allclose(found, expected, rtol=0.02)
+
+
+def test_a_general_contact_that_does_nothing_leaves_it_in_compiled_code(belt_drive, solve):
+    found = []
+    for has_sphere in (False, True):
+        mbs, sensors = belt_drive()
+        if has_sphere:
+            contact = mbs.AddGeneralContact()
+            contact.SetFrictionPairings(np.zeros((1, 1)))
+            node = mbs.GetSensor(sensors[0])["nodeNumber"]
+            marker = mbs.AddMarker(MarkerNodeRigid(nodeNumber=node))
+            contact.AddSphereWithMarker(marker, RADIUS, 1e5, 0.0, 0)
+            mbs.Assemble()
+        assert "in one compiled call" in solve(mbs, 0.2 * END)["path"]
+        found.append(turns(mbs, sensors))
+    assert np.abs(found[0]).max() > 0.0
+    np.testing.assert_array_equal(*found)
 
 
 @pytest.fixture
