@@ -105,5 +105,8 @@ def _runs(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> Sequen
         raise InputError(f"{mbs!r} is no system of Exudyn (mbs): a builder must return it.")
     runs = compiled_runs(mbs, time, h, explicit, "SolveEnsemble", "within an ensemble")
     if not runs:
-        raise SceneError("it has no inextensible cable: add one with CreateInextensibleCable.")
+        raise SceneError(
+            "it has no inextensible cable: add one with CreateInextensibleCable, or make native elements one "
+            "by ReplaceNativeCables."
+        )
     return runs

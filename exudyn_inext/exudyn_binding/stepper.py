@@ -94,8 +94,8 @@ class ExplicitStepper:
         runs = compiled_runs(mbs, start, given, explicit, "ExplicitStepper", where)
         if not runs:
             raise SceneError(
-                "mbs has no inextensible cable to step: add one with CreateInextensibleCable, or use "
-                "SolveExplicit for native items."
+                "mbs has no inextensible cable to step: add one with CreateInextensibleCable, make native "
+                "elements one by ReplaceNativeCables, or use SolveExplicit for native items."
             )
         choice = choose_step(runs, start, duration, explicit, given if explicit.massScaling else 0.0)
         choice = shorten_for_stretch(runs, choice)

@@ -88,7 +88,8 @@ class PilotRuns:
             cables = read_scene(mbs).cables
             if not cables:
                 raise SceneError(
-                    "build: the mbs has no inextensible cable; add one with CreateInextensibleCable."
+                    "build: the mbs has no inextensible cable; add one with CreateInextensibleCable, or make "
+                    "native elements one by ReplaceNativeCables."
                 )
             if any(cable.cable.stretches for cable in cables):
                 self.formulation = EXTENSIBLE
