@@ -29,6 +29,7 @@ SLOWED = 1.5  # times that dashpots may shorten the step and be explicit
 MUCH = 10.0  # times that damping may shorten the step without a word
 MANY = 100.0  # times as many outputs as steps, or steps as the user asked for, without a word
 LONG, LONG_COMPILED = 1e5, 5e6  # steps of a run without a word: each one evaluated by Exudyn, or compiled
+LONG_NATIVE = 2e3  # if native cables bound them, which can be replaced
 UNFORESEEN = 4.0  # times the step that resolves axial vibrations, where nobody knows what excites them
 MOST_TRIALS, NEARLY = 6, 0.98  # of a step that the bounds for its own scaled mass allow
 
@@ -382,26 +383,33 @@ def warn_of_many_steps(runs: Sequence[Run], choice: StepChoice, duration: float,
 
     asked: numberOfSteps.
     """
-    is_own_choice = choice.explicit.stepSize is None and choice.decided_by == "bending"
-    if not (is_own_choice and 0.0 < choice.h < duration / max(MANY * asked, LONG)):
-        return
-    if _is_lowered_by_damping(choice.bounds):  # see `warn_of_damping`
+    is_own_choice = choice.explicit.stepSize is None and choice.decided_by == "bending" and choice.h > 0.0
+    if not is_own_choice or _is_lowered_by_damping(choice.bounds):  # see `warn_of_damping`
         return
     steps = duration / choice.h
     for run in runs:
-        if isinstance(run, CoupledRun) and steps > (LONG_COMPILED if run.looks_ahead else LONG):
-            node, native = run.fastest
-            remedy = (
-                f"let a cable whose axial stiffness bounds no step take the place of {native}, by "
-                "ReplaceNativeCables(mbs) before mbs.Assemble()"
-                if native
-                else "let what is so stiff there be softer, or a joint, or what is so light be heavier"
-            )
+        if isinstance(run, CoupledRun) and (reason := _reason_of_many_steps(run, steps, asked)):
+            what, remedy = reason
             warnings.warn(
-                f"{node} vibrates at {choice.bounds.largest_frequency:.3g} rad/s, so that the run takes "
+                f"{what} vibrates at {choice.bounds.largest_frequency:.3g} rad/s, so that the run takes "
                 f"{steps:.2g} steps of {choice.h:.3g} s: {remedy}; or move the scene by mbs.SolveDynamic.",
                 stacklevel=3,
             )
+
+
+def _reason_of_many_steps(run: CoupledRun, steps: float, asked: int) -> tuple[str, str] | None:
+    """What vibrates, and what helps, if the steps of a run are more than can be taken without a word."""
+    long = max(MANY * asked, LONG_COMPILED if run.looks_ahead else LONG)
+    if steps <= (long if run.is_compiled else LONG_NATIVE):
+        return None
+    node, native = run.fastest
+    if native:
+        return node, (
+            f"let a cable whose axial stiffness bounds no step take the place of {native}, by "
+            "ReplaceNativeCables(mbs) before mbs.Assemble()"
+        )
+    soften = "let what is so stiff there be softer, or a joint, or what is so light be heavier"
+    return (node, soften) if steps > long else None
 
 
 def rule_step(element_length: float, density: float, stiffness: float, constant: float) -> float:

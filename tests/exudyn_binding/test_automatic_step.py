@@ -547,14 +547,14 @@ LONG_RUN = r"node \d+ 'node\d+' vibrates at .* rad/s, so that the run takes .*e\
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_a_run_that_axial_waves_of_native_cables_make_very_long_is_told_of_before(mbs, solve, dimension):
+def test_a_run_that_axial_waves_of_native_cables_make_long_is_told_of_before(mbs, solve, dimension):
     """And the remedy helps."""
     arguments = {
         "positionStart": [0, 0, 0],
         "positionEnd": [1.8, 0, 0],
         "numberOfElements": 4,
         "beamTemplate": [ObjectANCFCable2D, ObjectANCFCable][dimension - 2](
-            massPerLength=0.05, bendingStiffness=0.1, axialStiffness=2e8
+            massPerLength=0.05, bendingStiffness=0.1, axialStiffness=2e5
         ),
         "gravity": [0, -9.81, 0],
     }
