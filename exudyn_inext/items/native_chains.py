@@ -14,7 +14,7 @@ from .shape import CableShape
 
 _PROPERTIES = (*INERT, "referenceAxialStrain", "referenceCurvature", "strainIsRelativeToReference")
 FUNCTIONS = "axialForceUserFunction", "bendingMomentUserFunction"
-_TEMPLATES = {"ANCFCable2D": ObjectANCFCable2D, "ANCFCable": ObjectANCFCable}
+_DIMENSIONS = {"ANCFCable2D": 2, "ANCFCable": 3}
 
 Elements = Mapping[int, dict[str, Any]]  # what mbs.GetObject(number) returns
 
@@ -24,18 +24,20 @@ class NativeChain:
     """Elements of the same section, each of which begins at the node where the one before it ends.
 
     elements: their numbers.   nodes: theirs, one more; without the last one if `closed`, which is the first.
-    template: of their section.   lengths: of each element [m].
+    dimension: 2 or 3.   section: see `section_of`.   lengths: of each element [m].
     """
 
     elements: tuple[int, ...]
     nodes: tuple[int, ...]
-    template: ObjectANCFCable2D | ObjectANCFCable
+    dimension: int
+    section: dict[str, Any]
     lengths: tuple[float, ...]
     closed: bool
 
     @property
-    def dimension(self) -> int:
-        return 2 if isinstance(self.template, ObjectANCFCable2D) else 3
+    def template(self) -> ObjectANCFCable2D | ObjectANCFCable:
+        """Of the section, as of scripts that create such elements."""
+        return (ObjectANCFCable2D if self.dimension == 2 else ObjectANCFCable)(**self.section)
 
     @property
     def name(self) -> str:
@@ -105,7 +107,12 @@ def _row(first: int, after: Mapping[int, int]) -> list[int]:
 
 def _chain(elements: Elements, numbers: list[int], closed: bool) -> NativeChain:
     row = [elements[number] for number in numbers]
-    template = _TEMPLATES[row[0]["objectType"]](**section_of(row[0]))
     nodes = [int(row[0]["nodeNumbers"][0]), *(int(data["nodeNumbers"][1]) for data in row)]
-    lengths = tuple(float(data["length"]) for data in row)
-    return NativeChain(tuple(numbers), tuple(nodes[: len(nodes) - closed]), template, lengths, closed)
+    return NativeChain(
+        tuple(numbers),
+        tuple(nodes[: len(nodes) - closed]),
+        _DIMENSIONS[row[0]["objectType"]],
+        section_of(row[0]),
+        tuple(float(data["length"]) for data in row),
+        closed,
+    )

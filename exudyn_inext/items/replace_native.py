@@ -57,19 +57,22 @@ def ReplaceNativeCables(mbs: Any, extensible: bool = True, objectNumbers: Any = 
     """
     require_system(mbs)
     stretches = require_flag("extensible", extensible)
-    taken = _nodes_of_cables(mbs)
-    chains = native_chains(_elements(mbs, objectNumbers), taken)
+    objects = [mbs.GetObject(number) for number in range(mbs.systemData.NumberOfObjects())]
+    taken = {node for data in objects if (item := find_cable_item(data)) for node in item.nodes}
+    chains = native_chains(_elements(objects, objectNumbers), taken)
     made = [_add(mbs, new, taken) for new in [_replacement(mbs, chain, stretches) for chain in chains]]
     forget_companions(mbs)
     return made
 
 
-def _elements(mbs: Any, given: Any) -> Elements:
-    """Native elements with mass or stiffness by their numbers.   given: objectNumbers."""
-    objects = {number: mbs.GetObject(number) for number in range(mbs.systemData.NumberOfObjects())}
+def _elements(objects: Sequence[dict[str, Any]], given: Any) -> Elements:
+    """Native elements with mass or stiffness, by their numbers.
+
+    objects: data of all.   given: objectNumbers.
+    """
     found = {
         number: data
-        for number, data in objects.items()
+        for number, data in enumerate(objects)
         if data["objectType"] in ANCF_CABLES and not is_inert_cable(data)
     }
     if given is None and not found:
@@ -90,12 +93,6 @@ def _chosen(given: Any, found: Elements) -> list[int]:
                 "give a list of numbers of such elements, or None for all of them."
             )
     return [object_number(one) for one in given]
-
-
-def _nodes_of_cables(mbs: Any) -> set[int]:
-    objects = (mbs.GetObject(number) for number in range(mbs.systemData.NumberOfObjects()))
-    items = (find_cable_item(data) for data in objects)
-    return {node for item in items if item is not None for node in item.nodes}
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,8 +136,12 @@ def _add(mbs: Any, new: _Replacement, taken: set[int]) -> dict[str, Any]:
     made = add_object(mbs, item, way)
     for place, node in joined.items():
         made["constraintObjects"] += node.join(mbs, nodes[place], cable.reference[place, 1])
-    pairs = zip(new.chain.elements, pairwise(item.node_names), strict=True)
-    item.replaced = {element: _made_companion(mbs, element, pair) for element, pair in pairs}
+    nothing = dict.fromkeys(new.chain.section.keys() & {*INERT, *FUNCTIONS}, 0)
+    for element, pair in zip(new.chain.elements, pairwise(item.node_names), strict=True):
+        mbs.SetObjectParameter(element, "nodeNumbers", list(pair))
+        for name in nothing:
+            mbs.SetObjectParameter(element, name, 0)
+    item.replaced = dict.fromkeys(new.chain.elements, new.chain.section | nothing)
     add_user_forces(mbs, item, new.section, new.functions)
     return made
 
@@ -151,15 +152,6 @@ def _copied_node(mbs: Any, node: int) -> int:
     node_type = NodePoint2DSlope1 if data["nodeType"] == "Point2DSlope1" else NodePointSlope1
     names = "referenceCoordinates", "initialCoordinates", "initialVelocities"
     return int(mbs.AddNode(node_type(**{name: list(data[name]) for name in names})))
-
-
-def _made_companion(mbs: Any, element: int, nodes: tuple[int, int]) -> dict[str, Any]:
-    """What is left of its section."""
-    mbs.SetObjectParameter(element, "nodeNumbers", list(nodes))
-    section = section_of(mbs.GetObject(element))
-    for name in section.keys() & {*INERT, *FUNCTIONS}:
-        mbs.SetObjectParameter(element, name, 0)
-    return section_of(mbs.GetObject(element))
 
 
 def require_as_replaced(item: CableItem, name: str, objects: Sequence[dict[str, Any]]) -> None:
