@@ -25,7 +25,7 @@ import numpy as np
 from ..compiled import clear, inlined, optional
 from ..element.axial_strain import middle_strain, norm, rise_by_left
 from ..element.inextensibility import contract, length_gradient
-from ..lowered import local_array
+from ..lowered import local_array, subtract_multiple
 from .assembly import (
     GAMMA,
     VALUE,
@@ -275,43 +275,32 @@ def _add_of_node(axes, node, block):
 
 
 @inlined
-def _add_square(axes, weight, gradient, first, block):
-    """block += weight b b^T on one node of an element; lower triangle.
-
-    gradient: (.., dim) with two rows of b from `first` on, on position and slope.
-    """
+def _set_sides(axes, element, sides):
+    """Gradient of an element on its left node, and on its right one.   sides: (2, 2 dim) output."""
     dim = len(axes)
-    for a in range(2):
+    for side in range(2):
         for i in range(dim):
-            scaled = weight * gradient[first + a, i]
-            for b in range(a + 1):
-                for j in range(dim):
-                    if a > b or j <= i:
-                        block[a * dim + i, b * dim + j] += scaled * gradient[first + b, j]
+            sides[side, i] = element.gradient[2 * side, i]
+            sides[side, dim + i] = element.gradient[2 * side + 1, i]
+
+
+@inlined
+def _add_product(axes, weight, left, right, block):
+    """block += weight left right^T.   left, right: (2 dim,) on position and slope of a node."""
+    unknowns = axes + axes
+    for i in range(len(unknowns)):
+        subtract_multiple(unknowns, block[i], -weight * left[i], right)
 
 
 @inlined
 def _set_coupling(axes, element, w):
-    """w = mass and axial stiffness between the two nodes of an element."""
+    """w = mass between the two nodes of an element."""
     dim = len(axes)
     clear(w)
     for a in range(2):
         for i in range(dim):
             for b in range(2):
                 w[a * dim + i, b * dim + i] = element.mass[2 * a + b]
-    _couple(axes, element.axial[ADDED_MASS], element.gradient, 0, w)
-
-
-@inlined
-def _couple(axes, weight, gradient, first, w):
-    """w += weight b b^T between the two nodes of an element; its rows of b begin at `first`."""
-    dim = len(axes)
-    for a in range(2):
-        for i in range(dim):
-            scaled = weight * gradient[first + a, i]
-            for b in range(2):
-                for j in range(dim):
-                    w[a * dim + i, b * dim + j] += scaled * gradient[first + 2 + b, j]
 
 
 @inlined
@@ -323,23 +312,26 @@ def _factorise_constrained(axes, nodes, elements, q):
 def factorise_chain(axes, nodes, elements, q):
     """L D L^T of the effective mass, node by node; the chain is assembled.   q: (n, 2, dim)."""
     block, w, following = local_array(6, 6), local_array(6, 6), local_array(6, 6)
-    rows, number = local_array(48, 3), 0  # see `damping_rows`
+    sides, rows, number = local_array(2, 6), local_array(24, 6), 0  # see `damping_rows`
     clear(block)
     clear(w)
     for k in range(len(nodes)):
         _add_of_node(axes, nodes[k], block)
         if k > 0:
-            _add_square(axes, elements[k - 1].axial[ADDED_MASS], elements[k - 1].gradient, 2, block)
+            _add_product(axes, elements[k - 1].axial[ADDED_MASS], sides[1], sides[1], block)
             for r in range(number):
-                _add_square(axes, 1.0, rows, 4 * r + 2, block)
+                _add_product(axes, 1.0, rows[2 * r + 1], rows[2 * r + 1], block)
             add_contact_mass(axes, nodes, elements, k - 1, 4, block)
         if k < len(elements):
-            _add_square(axes, elements[k].axial[ADDED_MASS], elements[k].gradient, 0, block)
+            weight = elements[k].axial[ADDED_MASS]
+            _set_sides(axes, elements[k], sides)
+            _add_product(axes, weight, sides[0], sides[0], block)
             _set_coupling(axes, elements[k], w)
+            _add_product(axes, weight, sides[0], sides[1], w)
             number = damping_rows(axes, nodes, elements, q, k, rows)
             for r in range(number):
-                _add_square(axes, 1.0, rows, 4 * r, block)
-                _couple(axes, 1.0, rows, 4 * r, w)
+                _add_product(axes, 1.0, rows[2 * r], rows[2 * r], block)
+                _add_product(axes, 1.0, rows[2 * r], rows[2 * r + 1], w)
             add_contact_mass(axes, nodes, elements, k, 0, block)
             couple_by_contact(axes, nodes, elements, k, w)
         eliminate_node(axes, nodes[k], block, w, following)

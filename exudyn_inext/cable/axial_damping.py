@@ -15,11 +15,12 @@ from .assembly import differences
 
 @inlined
 def damping_rows(axes, nodes, elements, q, k, rows):
-    """Set b of element k on r_left, s_left, r_right, s_right, supports taken out; returns how many.
+    """Set b of element k on its nodes, supports taken out; returns how many.
 
-    q: (n, 2, dim).   rows: (48, 3) output, four for each of up to 12 b: four points, three components.
+    q: (n, 2, dim).   rows: (24, 2 dim) output, two for each of up to 12 b, four points and three components:
+        on position and slope of the left node, and of the right one.
     """
-    element, left, right = elements[k], nodes[k].free, nodes[k + 1].free
+    element, left, right, dim = elements[k], nodes[k].free, nodes[k + 1].free, len(axes)
     e, row, memory = local_array(3, 3), local_array(3, 3), local_array(7, 3)
     if not element.damped:
         return 0
@@ -30,10 +31,10 @@ def damping_rows(axes, nodes, elements, q, k, rows):
         if scale > 0.0:
             for component in range(2 if len(axes) == 2 else 0, 3):
                 set_curvature_row(axes, element.damping[g], component, e, memory, row)
-                for i in range(len(axes)):
-                    rows[4 * number, i] = -scale * left[0] * row[0, i]
-                    rows[4 * number + 1, i] = scale * left[1] * row[1, i]
-                    rows[4 * number + 2, i] = scale * right[0] * row[0, i]
-                    rows[4 * number + 3, i] = scale * right[1] * row[2, i]
+                for i in range(dim):
+                    rows[2 * number, i] = -scale * left[0] * row[0, i]
+                    rows[2 * number, dim + i] = scale * left[1] * row[1, i]
+                    rows[2 * number + 1, i] = scale * right[0] * row[0, i]
+                    rows[2 * number + 1, dim + i] = scale * right[1] * row[2, i]
                 number += 1
     return number

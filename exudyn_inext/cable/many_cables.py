@@ -48,7 +48,7 @@ def _system_of(cable: Cable, zeta: float, implicit: ImplicitBending) -> Any:
 def _coefficients(cable: Cable) -> Any:
     """The same for cables whose systems differ in constrained lengths alone; None: there are no others."""
     section = cable.section
-    if cable.stretches or section.strain_is_relative or all_links(cable):
+    if section.strain_is_relative or all_links(cable):
         return None
     mesh = cable.dimension, cable.element_lengths.tobytes(), cable.fixed.tobytes()
     return mesh, section, cable.measure, cable.length_constraints, cable.point_masses, cable.drag

@@ -15,9 +15,9 @@ from .assembly import differences
 from .axial_energy import force_in_motion
 from .axial_stiffness import set_step_of_means
 from .cable import Cable
-from .chain import build_chain
 from .index_reduction import ACCELERATION
-from .linked_cable import LinkedCableSystem, cable_system
+from .linked_cable import LinkedCableSystem
+from .many_cables import cable_systems
 from .records import link_type
 from .saddle_point import apply_mass
 from .section_forces import SolvedState
@@ -43,8 +43,9 @@ class SupportedCable:
 
     def __init__(self, cable: Cable) -> None:
         self._closed, self._own_links, self._stretches = cable.closed, len(cable.links), cable.stretches
-        self._system = cable_system(cable, 0.0)
-        self._free = build_chain(replace(cable, fixed=np.zeros_like(cable.fixed), links=()))
+        free = replace(cable, fixed=np.zeros_like(cable.fixed), links=())
+        self._system, of_free = cable_systems([cable, free], 0.0)
+        self._free = of_free.chain
         self._step = 0.0
         self._last: tuple[Any, ...] = ()  # what decides on the state that was solved last
         self._accelerate = Bound(accelerate_and_project, self._system)
