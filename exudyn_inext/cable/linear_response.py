@@ -9,6 +9,7 @@ from .assembly import add_lagging_damping
 from .chain import Chain
 from .index_reduction import ACCELERATION, CableSystem, solve_one
 from .linked_cable import LinkedCableSystem
+from .saddle_point import solve_for_force
 
 
 @protocol
@@ -101,8 +102,13 @@ def _hold_all_links(system):
         links[r].target[ACCELERATION] = 0.0
 
 
-@implements(constrained_inverse, CableSystem, LinkedCableSystem)
+@implements(constrained_inverse, CableSystem)
 def constrained_inverse_of_cable(system, force, x):
+    solve_for_force(system.chain.axes, system.chain.nodes, system.chain.elements, force, x)
+
+
+@implements(constrained_inverse, LinkedCableSystem)
+def constrained_inverse_of_linked_cable(system, force, x):
     _set_right_hand_side(system.chain.axes, system.chain.nodes, system.chain.elements, 1.0, force)
     _hold_links(system)
     solve_one(system, ACCELERATION, x)

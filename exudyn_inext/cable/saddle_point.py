@@ -255,6 +255,62 @@ def solve_column(axes, nodes, elements, column, x):
 
 
 @inlined
+def _reduce_force_constrained(axes, nodes, elements, k, force, z):
+    """z = [f_r, N^T f_s, 0] of node k.   force: (2, dim) on it."""
+    dim, node = len(axes), nodes[k]
+    for i in range(dim):
+        z[i] = node.free[0] * force[0, i]
+    for j in range(dim - 1):
+        transverse = 0.0
+        for i in range(dim):
+            transverse += node.basis[i, j] * force[1, i]
+        z[dim + j] = node.free[1] * transverse
+    z[2 * dim - 1] = 0.0
+
+
+@optional("axial", otherwise=_reduce_force_constrained)
+def _reduce_force(axes, nodes, elements, k, force, z):
+    """z = f of node k."""
+    for i in range(len(axes)):
+        z[i] = nodes[k].free[0] * force[0, i]
+        z[len(axes) + i] = nodes[k].free[1] * force[1, i]
+
+
+@inlined
+def _acts(axes, force):
+    """Whether there is any.   force: (2, dim)."""
+    acts = False
+    for i in range(len(axes)):
+        acts = acts or force[0, i] != 0.0 or force[1, i] != 0.0
+    return acts
+
+
+@inlined
+def solve_for_force(axes, nodes, elements, force, x):
+    """Solve M x + C_q^T lam = force, C_q x = 0, of a chain that is factorised.   force, x: (n, 2, dim).
+
+    Nodes before the first one on which the force acts have nothing to pass on.
+    """
+    size, acts = 2 * len(axes), False
+    z, passed_on = local_array(1, 6), local_array(1, 6)
+    clear(passed_on)
+    for k in range(len(nodes)):
+        nodes[k].along[0] = 0.0
+        acts = acts or _acts(axes, force[k])
+        if acts:
+            _reduce_force(axes, nodes, elements, k, force[k], z[0])
+            _pass_forward(axes, (0,), 0, nodes[k], z, passed_on)
+        else:
+            for i in range(size):
+                nodes[k].solution[0, i] = 0.0
+    right = passed_on
+    clear(right)
+    for k in range(len(nodes) - 1, -1, -1):
+        _pass_backward(axes, (0,), 0, nodes[k], z, right)
+        _expand(axes, nodes, elements, k, 0, 0, z, x)
+
+
+@inlined
 def _solve_twice(axes, nodes, elements, x, y):
     """The same for both columns at once.   x, y: (n, 2, dim) solutions for columns 0 and 1."""
     substitute_forward(axes, nodes, elements, (0, 1), 0)

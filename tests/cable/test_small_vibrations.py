@@ -132,6 +132,33 @@ def test_a_configuration_that_is_no_number_has_no_frequency():
     assert np.isnan(largest_frequency(cable_system(state.cable, 0.0), state.inputs, q))
 
 
+PULLED = slice(None), slice(0, 1), slice(2, 4), slice(-1, None)  # nodes
+
+
+def on_nodes(nodes, force):
+    """What acts on these alone."""
+    alone = np.zeros_like(force)
+    alone[nodes] = force[nodes]
+    return alone
+
+
+def response(system, force):
+    x = np.full(force.shape, np.nan)
+    respond(called(system, respond), 0, force.ravel(), x.reshape(-1))
+    return x
+
+
+@both_dimensions
+def test_responses_of_a_cable_that_stretches_to_forces_on_single_nodes_add_up(dim):
+    state = random_state(44, 5, dim, MEASURES[0], supports="pinned")
+    section = replace(state.cable.section, axial_stiffness=1e3)
+    system, _ = evaluated(replace(state, cable=replace(state.cable, section=section)))
+    force = np.random.default_rng(45).standard_normal(state.q.shape)
+    alone = [response(system, on_nodes(slice(k, k + 1), force)) for k in range(6)]
+    assert relative_error(sum(alone), response(system, force)) < 1e-12
+    assert all(np.abs(x).max() > 1e-3 * np.abs(sum(alone)).max() for x in alone)
+
+
 @both_dimensions
 @pytest.mark.parametrize("links", [None, "closed", "rod", "moving hanger, rod and node"])
 def test_constrained_inverse_and_mass_are_those_of_the_dense_system(dim, links):
@@ -140,14 +167,15 @@ def test_constrained_inverse_and_mass_are_those_of_the_dense_system(dim, links):
     )
     system, _ = evaluated(state)
     rng = np.random.default_rng(45)
-    force, x = rng.standard_normal(state.q.shape), np.zeros(state.q.shape)
-    respond(called(system, respond), 0, force.ravel(), x.reshape(-1))
-    assert not state.cable.closed or (x[-1] == x[0]).all()
+    force = rng.standard_normal(state.q.shape)
     jacobian = dense_constraints(state.cable, state.q, state.v, state.time).jacobian
     mass, zero = dense_mass(state.cable), np.zeros((len(jacobian), len(jacobian)))
     matrix = np.block([[mass, jacobian.T], [jacobian, zero]])
-    expected = np.linalg.solve(matrix, np.concatenate([force.ravel(), np.zeros(len(jacobian))]))[: x.size]
-    assert relative_error(x.ravel(), expected) < 1e-10
+    for nodes in PULLED:
+        x = response(system, on_nodes(nodes, force))
+        assert not state.cable.closed or (x[-1] == x[0]).all()
+        given = np.concatenate([on_nodes(nodes, force).ravel(), np.zeros(len(jacobian))])
+        assert relative_error(x.ravel(), np.linalg.solve(matrix, given)[: x.size]) < 1e-10
     image = apply_mass(build_chain(state.cable), force)
     assert relative_error(image.ravel(), mass @ force.ravel()) < 1e-12
 
