@@ -12,6 +12,7 @@ import hashlib
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
+from copy import copy
 from ctypes import c_size_t, memmove
 from functools import cached_property, partial
 from typing import Any, ClassVar
@@ -23,7 +24,7 @@ from numba import typeof
 from numba._dynfunc import make_function
 from numba.core import cgutils, event, types
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler, Flags
+from numba.core.compiler import Compiler, CompileResult, Flags
 from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.runtime.nrt import rtsys
 from numba.core.serialize import dumps
@@ -61,7 +62,14 @@ def _load(cache: Any, makes_arrays: bool, signature: Any, target: Any) -> Any:
     if makes_arrays or _hold_text(signature):  # which is counted where it is handed over
         rtsys.initialize(target)
     with cache._guard_against_spurious_io_errors():
-        return cache._load_overload(signature, target)
+        result = cache._load_overload(signature, target)
+        return None if result is None else _of_types(result, signature)
+
+
+def _of_types(result: Any, kinds: Any) -> Any:
+    """A kernel from the cache, see `KernelResult`, with the types of its arguments."""
+    result.fndesc.argtypes = kinds
+    return result._replace(signature=result.signature.replace(args=kinds))
 
 
 def _hold_text(kinds: Any) -> bool:
@@ -121,9 +129,26 @@ class KernelLibrary(JITCodeLibrary):
 
     def serialize_using_object_code(self) -> tuple[str, str, tuple[bytes, bytes]]:
         self._ensure_finalized()
-        entries = (one.name for one in self._final_module.functions if one.linkage == Linkage.external)
-        names = parse_assembly("".join(f'@"{name}" = global i8 0\n' for name in entries))
-        return self.name, "object", (self._get_compiled_object(), names.as_bitcode())
+        entries = (one for one in self._final_module.functions if one.linkage == Linkage.external)
+        names = (one.name for one in entries if not one.is_declaration)
+        listed = parse_assembly("".join(f'@"{name}" = global i8 0\n' for name in names))
+        return self.name, "object", (self._get_compiled_object(), listed.as_bitcode())
+
+
+class KernelResult(CompileResult):
+    """Is stored without types of arguments, which whoever loads it has, and without what nobody asks for.
+
+    Numba takes long to load types, and imports the modules of all parts for environments without constants.
+    """
+
+    __slots__ = ()
+
+    def _reduce(self) -> tuple[Any, ...]:
+        code, description, environment, signature, *flags, _, reload, environments = super()._reduce()
+        short = copy(description)
+        short.argtypes = ()
+        kept = tuple(one for one in environments if one.consts)
+        return code, short, environment, signature.replace(args=()), *flags, "", reload, kept
 
 
 @contextmanager
@@ -193,7 +218,7 @@ class KernelCompiler(ShortCompiler):
             result = super().compile_extra(func)
         for environment in result._find_referenced_environments():
             result.library.codegen.set_env(environment.env_name, environment)
-        return result
+        return KernelResult(*result)
 
 
 class PartLibrary(JITCodeLibrary):

@@ -5,12 +5,17 @@ SciPy's own ways to put them together take longer than to solve with them, if th
 
 from collections.abc import Sequence
 from copy import copy
+from functools import cached_property
 from itertools import accumulate
+from typing import TypeAlias
 
 import numpy as np
 import scipy
 
 from .arrays import Array, SparseArray
+
+Entries: TypeAlias = tuple[np.ndarray, np.ndarray, Array]
+"""Rows, rising, columns and values of what is not zero in a matrix."""
 
 
 class Pattern:
@@ -18,24 +23,27 @@ class Pattern:
 
     def __init__(self, rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]) -> None:
         place, self._slot = np.unique(rows.astype(np.int64) * shape[1] + columns, return_inverse=True)
-        row, column = np.divmod(place, max(shape[1], 1))
-        start = np.searchsorted(row, np.arange(shape[0] + 1))
-        places = column.astype(np.int32), start.astype(np.int32)
-        self._matrix = scipy.sparse.csr_array((np.zeros(len(column)), *places), shape=shape)
+        self._row, self._column = np.divmod(place, max(shape[1], 1))
+        self._shape = shape
+
+    @cached_property
+    def _matrix(self) -> SparseArray:
+        start = np.searchsorted(self._row, np.arange(self._shape[0] + 1))
+        places = self._column.astype(np.int32), start.astype(np.int32)
+        return scipy.sparse.csr_array((np.zeros(len(self._column)), *places), shape=self._shape)
 
     def matrix(self, values: Array) -> SparseArray:
         """Of entries (E,); zeros among them are kept."""
         result = copy(self._matrix)  # shares the places, which are checked once
-        result.data = np.bincount(self._slot, values, len(result.indices)).astype(float, copy=False)
+        result.data = self._sums(values)
         return result
 
+    def entries(self, values: Array) -> Entries:
+        """The same without SciPy's matrices, which take long to import."""
+        return self._row, self._column, self._sums(values)
 
-def compressed(matrix: Array) -> SparseArray:
-    """The same (m, n), without its zeros."""
-    rows, columns = matrix.nonzero()
-    start = np.searchsorted(rows, np.arange(len(matrix) + 1))
-    places = columns.astype(np.int32), start.astype(np.int32)
-    return scipy.sparse.csr_array((matrix[rows, columns], *places), shape=matrix.shape)
+    def _sums(self, values: Array) -> Array:
+        return np.bincount(self._slot, values, len(self._column)).astype(float, copy=False)
 
 
 def rows_of(matrix: SparseArray) -> np.ndarray:

@@ -26,9 +26,9 @@ def process(monkeypatch, tmp_path):
 
 
 def test_a_kernel_is_compiled_once_for_all_processes(process):
-    assert process()(3.0) == 1.5
-    later = process()
-    assert later(3.0) == 1.5
+    first, later = process(), process()
+    assert first(3.0) == later(3.0) == 1.5
+    assert later.nopython_signatures == first.nopython_signatures
     assert sum(later.stats.cache_hits.values()) == 1
 
 

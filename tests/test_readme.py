@@ -10,7 +10,8 @@ import pytest
 README = Path(__file__).parents[1] / "README.md"
 
 # What takes long to import, and only other scenes, or compiling, need.
-NEEDLESS = ["scipy.sparse", "scipy.linalg", "scipy.optimize", "numba.typed.typedlist", "matplotlib"]
+NEEDLESS = ["scipy.sparse", "scipy.linalg", "scipy.optimize", "matplotlib"]
+NEEDLESS += ["numba.np.arrayobj", "numba.typed.typedlist"]
 
 
 def test_the_readme_script_runs_and_swings_the_tip_to_where_the_reference_has_it(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.sparse import block_diag, coo_array, csr_array, random_array, vstack
 
-from exudyn_inext.sparse import Pattern, block_diagonal, compressed, one_below_another
+from exudyn_inext.sparse import Pattern, block_diagonal, one_below_another
 
 SHAPES = [(3, 5), (0, 4), (4, 2)]
 
@@ -32,13 +32,3 @@ def test_blocks_are_put_beside_and_below_each_other():
     np.testing.assert_array_equal(block_diagonal(blocks).toarray(), expected)
     blocks = [some((number, 6), number) for number in (2, 0, 5)]
     np.testing.assert_array_equal(one_below_another(blocks).toarray(), vstack(blocks).toarray())
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-def test_a_dense_matrix_is_compressed_without_its_zeros(shape):
-    found, expected = compressed(some(shape, 4).toarray()), some(shape, 4)
-    expected.sort_indices()
-    for name in ("indptr", "indices", "data"):
-        one, other = getattr(found, name), getattr(expected, name)
-        assert one.dtype == other.dtype
-        np.testing.assert_array_equal(one, other)

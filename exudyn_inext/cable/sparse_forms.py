@@ -8,7 +8,7 @@ import numpy as np
 from ..arrays import Array, SparseArray
 from ..element.forms import forms_of_mesh
 from ..element.inertia import mass_matrix
-from ..sparse import Pattern
+from ..sparse import Entries, Pattern
 from .assembly import add_elastic_force
 from .attached import mass_of_points
 from .cable import Cable
@@ -53,6 +53,12 @@ def masses_of_elements(cable: Cable) -> Array:
 def mass_of_cable(cable: Cable) -> SparseArray:
     """(n_dof, n_dof) mass matrix, point masses included, without mass scaling."""
     return assembled(masses_of_elements(cable), (len(cable.reference),), cable.dimension)
+
+
+def mass_entries(cable: Cable) -> Entries:
+    """Those of `mass_of_cable`."""
+    pattern = _pattern_of_forms((len(cable.reference),), cable.dimension)
+    return pattern.entries(np.repeat(masses_of_elements(cable).ravel(), cable.dimension))
 
 
 def elastic_tangent(chain: Chain, q: Array, nodes: tuple[int, ...] = ()) -> SparseArray:

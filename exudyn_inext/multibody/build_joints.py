@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
+from ..sparse_factor import build_factor, find_order, places_of
 from .build_nodes import (
     MANY,
     Ends,
@@ -19,7 +20,6 @@ from .joints import Entries, Holds, Joints, Members
 from .knots import FEWEST, GROUND, NONE, Member, Tie, find_knots
 from .points import ANGLE, COORDINATE, FIXED
 from .rows import DIFFERENCE
-from .sparse_factor import build_factor, find_order, places_of
 
 
 class _Hold(NamedTuple):

@@ -1,15 +1,14 @@
 """From cables with many joints to the unknowns of their nodes, see `nodes`."""
 
-import heapq
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..cable.index_reduction import CableSystem
+from ..sparse_factor import SparseFactor, order_of_blocks, places_in_blocks, places_of
 from .joints import Entries
 from .nodes import NONE, Nodes
-from .sparse_factor import SparseFactor, places_of
 
 MANY = 24  # rows on a cable, from which on its nodes are unknowns
 
@@ -138,43 +137,8 @@ def order_with_nodes(pairs: np.ndarray, number: int, layout: Layout) -> np.ndarr
     block[coordinates] = np.arange(len(coordinates))[:, None]
     others = np.flatnonzero(block < 0)
     block[others] = len(coordinates) + np.arange(len(others))
-    order = _order_of_blocks(block[pairs], len(coordinates), len(coordinates) + len(others))
-    place_of_block = np.argsort(order)
-    place = np.empty(number, np.int64)
-    place[np.argsort(place_of_block[block], kind="stable")] = np.arange(number)
-    return place
-
-
-def _order_of_blocks(pairs: np.ndarray, early: int, number: int) -> list[int]:
-    """Blocks by least degree; those from number `early` on after their neighbours before it."""
-    neighbours: list[set[int]] = [set() for _ in range(number)]
-    for key in np.unique(pairs @ [number, 1]).tolist():  # blocks meet in many entries
-        one, other = divmod(key, number)
-        if one != other:
-            neighbours[one].add(other)
-            neighbours[other].add(one)
-    followers = [[other for other in neighbours[one] if other >= early] for one in range(early)]
-    waiting = [0] * early + [sum(one < early for one in own) for own in neighbours[early:]]
-    todo = [(len(own), one) for one, own in enumerate(neighbours) if not waiting[one]]
-    heapq.heapify(todo)
-    order: list[int] = []
-    is_done = [False] * number
-    while todo:
-        degree, one = heapq.heappop(todo)
-        if is_done[one] or degree != len(neighbours[one]):
-            continue
-        order.append(one)
-        is_done[one] = True
-        own = neighbours[one]
-        for other in own:
-            neighbours[other] |= own
-            neighbours[other] -= {one, other}
-        for other in followers[one] if one < early else ():
-            waiting[other] -= 1
-        for other in own.union(followers[one] if one < early else ()):
-            if not waiting[other]:
-                heapq.heappush(todo, (len(neighbours[other]), other))
-    return order
+    number_of_blocks = len(coordinates) + len(others)
+    return places_in_blocks(block, order_of_blocks(block[pairs], number_of_blocks, len(coordinates)))
 
 
 def build_nodes(

@@ -26,6 +26,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..compiled import inlined
+from ..sparse_factor import SparseFactor, eliminate_column, substitute
 from .bodies import respond_body
 from .nodes import (
     Nodes,
@@ -34,7 +35,6 @@ from .nodes import (
     correct_nodes,
 )
 from .rows import add_row_jacobian, row_gamma, row_value
-from .sparse_factor import SparseFactor, eliminate_column, substitute
 
 NONE = -1
 PIVOT_TOLERANCE = 1e-10  # of a pivot of a row, relative to its diagonal entry

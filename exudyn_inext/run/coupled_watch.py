@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..cable.sparse_forms import mass_of_cable
+from ..cable.sparse_forms import mass_entries
 from ..compiled import Prepared
 from ..integrators.integrator import Integrator
 from ..integrators.linear_stability import frequency_limit
@@ -341,13 +341,15 @@ class CoupledWatch(RunWatch):
 
     def _moving_parts(self, size: int) -> MovingParts:
         """Each cable and each body; first order states are no motion."""
-        part, bodies = np.arange(size), self._bodies
-        cables = [run.scene_cable.cable for run in self._runs]
-        for dofs in self._places[: len(cables)]:
+        part, bodies, masses = np.arange(size), self._bodies, []
+        for run, dofs in zip(self._runs, self._places, strict=False):
             part[dofs] = dofs.start
+            masses.append((dofs.start, mass_entries(run.scene_cable.cable)))
         part[bodies.dofs] = bodies.dofs.start + bodies.system.bodies
-        masses = [*map(mass_of_cable, cables), bodies.system.mass]
-        return MovingParts(part, masses, self._length)
+        masses.append((bodies.dofs.start, bodies.system.mass_entries))
+        of_all = [(first + rows, first + columns, values) for first, (rows, columns, values) in masses]
+        rows, columns, values = map(np.concatenate, zip(*of_all, strict=True))
+        return MovingParts(part, (rows, columns, values), self._length)
 
     def _see_extent(self, state: Any) -> None:
         way = state.q - self._start

@@ -4,14 +4,13 @@ A light part has no share in the energy of a scene with heavy ones, but it may b
 step must resolve the motion of each part, see `watch`. Its error is relative to its own way.
 """
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, SparseArray
+from ..arrays import Array
 from ..compiled import Prepared, inlined, kernel
-from ..sparse import block_diagonal
+from ..sparse import Entries
 from .watch import OF_EXTENT, SMALL
 
 MOTION = ("forces", "speeds", "time", "extent", "floor")  # of each part, see `Watch`
@@ -19,9 +18,9 @@ _FORCES, _SPEEDS, _TIME, _EXTENT, _FLOOR = range(5)
 
 
 class _Mass(NamedTuple):
-    """Of m of the n coordinates, the first ones; others have none.
+    """Of n coordinates, some of which have none.
 
-    part: (n,) number of the part of each.   start: (m + 1,) of the rows.   columns, values: of the entries.
+    part: (n,) number of the part of each.   start: (n + 1,) of the rows.   columns, values: of the entries.
     """
 
     part: np.ndarray
@@ -87,16 +86,16 @@ class MovingParts:
 
     Args:
         part: (n,) a number for each coordinate, the same for those of one part.
-        masses: matrices at the start, of coordinates that follow each other; of other ones there is none.
+        mass: at the start, of all coordinates that have one.
         length: of the longest cable [m]: of it, an error of `SMALL` counts for nothing.
 
     motion: (5, P) so far, see `MOTION`.
     """
 
-    def __init__(self, part: np.ndarray, masses: Sequence[SparseArray], length: float) -> None:
+    def __init__(self, part: np.ndarray, mass: Entries, length: float) -> None:
         numbers, part = np.unique(part, return_inverse=True)
-        mass = block_diagonal(masses)
-        self._mass = _Mass(part, mass.indptr, mass.indices, mass.data)
+        rows, columns, values = mass
+        self._mass = _Mass(part, np.searchsorted(rows, np.arange(len(part) + 1)), columns, values)
         self.motion = np.zeros((len(MOTION), len(numbers)))
         self._least, self._energies = np.zeros((2, len(numbers)))
         self._gone_on, self._fastest = np.zeros_like(self.motion), np.zeros(len(MOTION))

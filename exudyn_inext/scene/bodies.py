@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..arrays import Array, SparseArray
+from ..arrays import Array
 from ..compiled import inlined, kernel
-from ..sparse import compressed
+from ..sparse import Entries
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .joints import respond_to_rows
 
@@ -105,19 +105,24 @@ class BodiesSystem:
         return 0.5 * twice
 
     @property
-    def mass(self) -> SparseArray:
-        """(n, n) at present."""
-        present = self._present_mass
-        return present if scipy.sparse.issparse(present) else compressed(present)
+    def mass_entries(self) -> Entries:
+        """Those of the mass at present."""
+        mass = self.mass
+        if isinstance(mass, np.ndarray):
+            rows, columns = mass.nonzero()
+            return rows, columns, mass[rows, columns]
+        entries = mass.tocoo()
+        return entries.row, entries.col, entries.data
 
     @property
     def masses(self) -> Array:
         """(n,) diagonal of the mass at present."""
-        diagonal: Array = self._present_mass.diagonal()
+        diagonal: Array = self.mass.diagonal()
         return diagonal
 
     @property
-    def _present_mass(self) -> Any:
+    def mass(self) -> Any:
+        """(n, n) at present, sparse if it is large."""
         blocks = [MassBlock(*one) for s in self._variable for one in zip(s.dofs, s.mass, strict=True)]
         return self._constant_mass + _matrix_of_blocks(self._size, blocks)
 

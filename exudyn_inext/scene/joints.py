@@ -4,23 +4,22 @@ With A the saddle-point matrices of all parts, side by side, and J the Jacobian 
 
     [A J^T; J 0] [y; nu] = [f; b]:    S nu = J A^-1 f - b,  S = J A^-1 J^T,  y = A^-1 f - A^-1 J^T nu.
 
-Two rows are coupled in S if they meet on a part. In the order of Cuthill and McKee, found once, S is a band:
-narrow for trees and chains of parts, as wide as a side for nets.
+Two rows are coupled in S if they meet on a part: S is sparse, and factorised as such.
 """
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial, singledispatch
-from itertools import groupby, pairwise
+from itertools import groupby
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy
 
 from ..arrays import Array
 from ..cable.linear_response import respond
 from ..called_system import called
-from ..compiled import kernel
+from ..compiled import Prepared, inlined, inlined_kernel, kernel
+from ..sparse_factor import SparseFactor, build_factor, eliminate_column, find_order, places_of, substitute
 from .redundant_rows import PIVOT_TOLERANCE, dependent_rows
 
 
@@ -44,9 +43,6 @@ def _respond_with_cables(system, first, width, dof, jacobian, response):
         respond(system, dof[row], jacobian[begin:end], response[begin:end])
 
 
-FEW = 24  # rows whose order does not matter
-
-
 class JointBlock:
     """Rows of the joints on one part.
 
@@ -68,11 +64,15 @@ class JointBlock:
 
 
 class _Rows(NamedTuple):
-    """All blocks, one after the other, for the kernels.
+    """All blocks, one after the other, and S, for the kernels.
 
     Entry e of a block's Jacobian starts at `first[e]`, has `width[e]` numbers, belongs to row `row[e]` and to
-    the coordinates from `dof[e]` on; the entries of block b end before `end[b]`. In the band it is row
-    `place[e]`. What is not zero of it lies from `begin[e]` to `stop[e]`.
+    the coordinates from `dof[e]` on; the entries of block b end before `end[b]`. What is not zero of it lies
+    from `begin[e]` to `stop[e]`.
+
+    jacobian, response: J and A^-1 J^T of all entries.
+    into: for each entry, and each one of its block up to it, where in the factor their product goes.
+    place: (m,) of each row in the factor.   diagonal, unknowns: (m,) of S, and memory of a solve.
     """
 
     first: np.ndarray
@@ -80,9 +80,15 @@ class _Rows(NamedTuple):
     row: np.ndarray
     dof: np.ndarray
     end: np.ndarray
-    place: np.ndarray
     begin: np.ndarray
     stop: np.ndarray
+    jacobian: Array
+    response: Array
+    into: np.ndarray
+    place: np.ndarray
+    diagonal: Array
+    unknowns: Array
+    factor: SparseFactor
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,19 +107,11 @@ class JointSolve:
     """The solve of S.   names: of the rows, for messages.   blocks: J by parts, whose memory is shared."""
 
     def __init__(self, blocks: Sequence[JointBlock], names: Sequence[str]) -> None:
-        self._blocks = blocks
-        self._names = names
-        self._rows = _rows_of(blocks)
-        size = sum(block.jacobian.size for block in blocks)
-        self._jacobian, self._response = np.zeros(size), np.zeros(size)
-        _share(blocks, self._jacobian, self._response)
+        self._blocks, self._names = blocks, names
+        self._rows = _rows_of(blocks, len(names))
+        _share(blocks, self._rows.jacobian, self._rows.response)
         self._responders = list(self._responders_of(blocks))
-        entries = np.arange(len(self._rows.row))
-        owner = np.searchsorted(self._rows.end, entries, side="right")
-        self._order = order_of_band(self._rows.row, owner, len(names))
-        self._rows = self._rows._replace(place=np.argsort(self._order)[self._rows.row])
-        self._schur: Array = np.zeros((_width_of_band(self._rows), len(names)), order="F")
-        self._factor = self._schur
+        self._set_factor, self._apply = Prepared(_set_factor), Prepared(_apply)
 
     def _responders_of(self, blocks: Sequence[JointBlock]) -> Iterator[Callable[[], None]]:
         """What sets the responses: one call for all blocks of a whole."""
@@ -124,7 +122,7 @@ class JointSolve:
             whole, rows, own = alike[0].whole or alike[0], self._rows, slice(begin, end)
             entries = rows.first[own], rows.width[own], rows.dof[own] - whole.dofs.start
             system = called(whole.system, respond)
-            yield partial(respond_to_rows, system, *entries, self._jacobian, self._response)
+            yield partial(respond_to_rows, system, *entries, rows.jacobian, rows.response)
             begin = end
 
     def factorise(self) -> None:
@@ -135,17 +133,20 @@ class JointSolve:
         """
         for respond_now in self._responders:
             respond_now()
-        _find_nonzeros(self._rows, self._jacobian)
-        _set_schur(self._rows, self._jacobian, self._response, self._schur)
-        self._factor, info = scipy.linalg.lapack.dpbtrf(self._schur, lower=1)
-        squares = self._factor[0] * self._factor[0]
-        if info or not (squares > PIVOT_TOLERANCE * self._schur[0]).all():
-            raise dependent_rows(_dense(self._schur, self._order), self._names)
+        if not self._set_factor(self._rows):
+            raise dependent_rows(self._dense_schur(), self._names)
+
+    def _dense_schur(self) -> Array:
+        """(m, m) its lower triangle."""
+        schur: Array = np.zeros((len(self._names), len(self._names)))
+        for block in self._blocks:
+            schur[np.ix_(block.rows, block.rows)] += block.jacobian @ block.response.T
+        return np.tril(schur)
 
     def times_jacobian(self, x: Array) -> Array:
         """J x (m,).   x: (n,)."""
         result = np.zeros(len(self._names))
-        _add_times(self._rows, self._jacobian, x, result)
+        _add_times(self._rows, x, result)
         return result
 
     def joint_force(self, nu: Array, dofs: slice) -> Array:
@@ -158,42 +159,37 @@ class JointSolve:
 
     def apply(self, x: Array, target: Array) -> Array:
         """x -= A^-1 J^T nu in place, such that J x = target; returns nu (m,)."""
-        nu = self.times_jacobian(x) - target
-        nu[self._order], _ = scipy.linalg.lapack.dpbtrs(self._factor, nu[self._order], lower=1, overwrite_b=1)
-        _subtract_times(self._rows, self._response, nu, x)
+        nu: Array = -target
+        self._apply(self._rows, x, nu)
         return nu
 
 
-def _rows_of(blocks: Sequence[JointBlock]) -> _Rows:
+def _rows_of(blocks: Sequence[JointBlock], number: int) -> _Rows:
+    """number: of rows."""
     rows = [(row, block.dofs.start, block.jacobian.shape[1]) for block in blocks for row in block.rows]
     row, dof, width = np.array(rows, dtype=np.int64).reshape(-1, 3).T.copy()
-    first = np.cumsum(width) - width
-    ends = np.cumsum([len(block.rows) for block in blocks], dtype=np.int64)
-    return _Rows(first, width, row, dof, ends, place=row, begin=np.zeros_like(row), stop=width.copy())
-
-
-def order_of_band(row: np.ndarray, owner: np.ndarray, number: int) -> np.ndarray:
-    """Rows in an order in which S is a narrow band; few of them as they are.
-
-    row, owner: (E,) of all entries, two of which meet if one part owns both.   number: of rows.
-    """
-    if number <= FEW:
-        return np.arange(number)
-    meets = scipy.sparse.coo_array(
-        (np.ones(len(row)), (row, owner)), shape=(number, int(owner.max(initial=-1)) + 1)
+    of_blocks = (block.rows[np.stack(np.tril_indices(len(block.rows)), axis=1)] for block in blocks)
+    pairs = np.concatenate([np.zeros((0, 2), np.int64), *of_blocks])
+    place = find_order(pairs, number)
+    factor = build_factor(place[pairs], number)
+    columns, below = np.sort(place[pairs], axis=1).T
+    entries, vectors = np.zeros((2, int(width.sum()))), np.zeros((2, number))
+    return _Rows(
+        first=np.cumsum(width) - width,
+        width=width,
+        row=row,
+        dof=dof,
+        end=np.cumsum([len(block.rows) for block in blocks], dtype=np.int64),
+        begin=np.zeros_like(row),
+        stop=width.copy(),
+        jacobian=entries[0],
+        response=entries[1],
+        into=places_of(factor, columns, below),
+        place=place,
+        diagonal=vectors[0],
+        unknowns=vectors[1],
+        factor=factor,
     )
-    return np.asarray(
-        scipy.sparse.csgraph.reverse_cuthill_mckee(
-            scipy.sparse.csr_array(meets @ meets.T), symmetric_mode=True
-        ),
-        dtype=np.int64,
-    )
-
-
-def _width_of_band(rows: _Rows) -> int:
-    """Of the lower half of S, its diagonal included."""
-    of_blocks = [rows.place[a:b] for a, b in pairwise([0, *rows.end]) if b > a]
-    return max((int(np.ptp(places)) + 1 for places in of_blocks), default=1)
 
 
 def _share(blocks: Sequence[JointBlock], jacobian: Array, response: Array) -> None:
@@ -208,57 +204,67 @@ def _share(blocks: Sequence[JointBlock], jacobian: Array, response: Array) -> No
         start = end
 
 
-@kernel
-def _find_nonzeros(rows, jacobian):
+@inlined
+def _find_nonzeros(rows):
     """`begin` and `stop` of all entries: a joint holds few coordinates of a cable."""
     for e in range(len(rows.row)):
         begin, stop = rows.width[e], 0
         for i in range(rows.width[e]):
-            if jacobian[rows.first[e] + i] != 0.0:
+            if rows.jacobian[rows.first[e] + i] != 0.0:
                 begin, stop = min(begin, i), i + 1
         rows.begin[e], rows.stop[e] = begin, stop
 
 
-@kernel
-def _set_schur(rows, jacobian, response, schur):
-    """S = J R^T; the lower half of its band, by columns."""
-    schur[:] = 0.0
-    begin = 0
+@inlined
+def _set_schur(rows):
+    """S = J A^-1 J^T, and its diagonal."""
+    values, begin, pair = rows.factor.values, 0, 0
+    for i in range(len(values)):
+        values[i] = 0.0
     for end in rows.end:
         for e in range(begin, end):
-            for f in range(begin, end):
-                if rows.place[f] <= rows.place[e]:
-                    total = 0.0
-                    for i in range(rows.begin[e], rows.stop[e]):
-                        total += jacobian[rows.first[e] + i] * response[rows.first[f] + i]
-                    schur[rows.place[e] - rows.place[f], rows.place[f]] += total
+            for f in range(begin, e + 1):
+                total = 0.0
+                for i in range(rows.begin[e], rows.stop[e]):
+                    total += rows.jacobian[rows.first[e] + i] * rows.response[rows.first[f] + i]
+                values[rows.into[pair]] += total
+                pair += 1
         begin = end
+    for j in range(len(rows.diagonal)):
+        rows.diagonal[j] = values[rows.factor.start[j]]
 
 
 @kernel
-def _add_times(rows, matrix, x, result):
+def _set_factor(rows):
+    """S and its factor; returns whether all rows are independent."""
+    _find_nonzeros(rows)
+    _set_schur(rows)
+    for j in range(len(rows.diagonal)):
+        if not rows.factor.values[rows.factor.start[j]] > PIVOT_TOLERANCE * rows.diagonal[j]:
+            return False
+        eliminate_column(rows.factor, j)
+    return True
+
+
+@inlined_kernel
+def _add_times(rows, x, result):
     """result += J x."""
     for e in range(len(rows.row)):
         total = 0.0
         for i in range(rows.begin[e], rows.stop[e]):
-            total += matrix[rows.first[e] + i] * x[rows.dof[e] + i]
+            total += rows.jacobian[rows.first[e] + i] * x[rows.dof[e] + i]
         result[rows.row[e]] += total
 
 
 @kernel
-def _subtract_times(rows, matrix, nu, x):
-    """x -= matrix^T nu."""
+def _apply(rows, x, nu):
+    """x -= A^-1 J^T S^-1 (J x + nu); nu becomes S^-1 (J x + nu)."""
+    _add_times(rows, x, nu)
+    for r in range(len(nu)):
+        rows.unknowns[rows.place[r]] = nu[r]
+    substitute(rows.factor, rows.unknowns)
+    for r in range(len(nu)):
+        nu[r] = rows.unknowns[rows.place[r]]
     for e in range(len(rows.row)):
         for i in range(rows.width[e]):
-            x[rows.dof[e] + i] -= matrix[rows.first[e] + i] * nu[rows.row[e]]
-
-
-def _dense(band: Array, order: np.ndarray) -> Array:
-    """Lower triangle of S, its rows as they are numbered, from its band."""
-    size = len(order)
-    sorted_: Array = np.zeros((size, size))
-    for below, diagonal in enumerate(band):
-        places = np.arange(size - below)
-        sorted_[places + below, places] = sorted_[places, places + below] = diagonal[: size - below]
-    back = np.argsort(order)
-    return np.tril(sorted_[np.ix_(back, back)])
+            x[rows.dof[e] + i] -= rows.response[rows.first[e] + i] * nu[rows.row[e]]

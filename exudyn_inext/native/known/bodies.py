@@ -5,7 +5,6 @@ from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy
 
 from ...arrays import Array, collected
 from ...items.arguments import described
@@ -149,8 +148,8 @@ def _bodies_of_matrix(
         raise UnknownItemError(f"{name}, whose mass changes")
     places = np.array([coordinates.place(c) for c in body.coordinates.tolist()])
     reference = np.concatenate([node["referenceCoordinates"] for node in nodes])
-    number, labels = scipy.sparse.csgraph.connected_components(_coupled(body, nodes))
-    for own in (np.flatnonzero(labels == label) for label in range(number)):
+    first = _first_of_each(_coupled(body, nodes))
+    for own in (np.flatnonzero(first == label) for label in np.unique(first)):
         size = len(own)
         if size > MOST:
             raise UnknownItemError(f"{name}, whose mass couples more than {MOST} coordinates")
@@ -160,6 +159,16 @@ def _bodies_of_matrix(
         if not set_mass(fields, mass):
             raise UnknownItemError(f"{name}, which has no mass in one direction")
         yield record
+
+
+def _first_of_each(meet: np.ndarray) -> np.ndarray:
+    """(n,) the first of the coordinates that belong together.   meet: (n, n) which are neighbours."""
+    meet = meet | meet.T
+    before, first = np.full(len(meet), -1), np.arange(len(meet))
+    while (before != first).any():
+        before, first = first, np.minimum(first, np.where(meet, first, len(meet)).min(axis=1))
+        first = first[first]
+    return first
 
 
 def _coupled(body: Body, nodes: Sequence[dict[str, Any]]) -> np.ndarray:

@@ -6,14 +6,15 @@ Columns that follow each other and have the same rows below them are a group: wh
 summed up first, and then done once (J. W. H. Liu, SIAM Review 34 (1992) 82-109: supernodes).
 """
 
+import heapq
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array
-from ..compiled import inlined
-from ..sparse import order_of
+from .arrays import Array
+from .compiled import inlined
 
 FEW = 8  # unknowns whose order does not matter
 NOTHING = np.zeros(0)
@@ -49,9 +50,58 @@ def find_order(pairs: np.ndarray, number: int) -> np.ndarray:
 
 
 @lru_cache(maxsize=16)
-def _order_of(pairs: bytes, number: int) -> np.ndarray:
-    one, other = np.frombuffer(pairs, np.int64).reshape(-1, 2).T
-    return order_of(np.append(one, other), np.append(other, one), number)
+def _order_of(meetings: bytes, number: int) -> np.ndarray:
+    """Unknowns that meet the same ones, as those of a joint do, are one block."""
+    pairs = np.frombuffer(meetings, np.int64).reshape(-1, 2)
+    meets = [{unknown} for unknown in range(number)]
+    for one, other in pairs.tolist():
+        meets[one].add(other)
+        meets[other].add(one)
+    numbers: dict[frozenset[int], int] = {}
+    block = np.array([numbers.setdefault(frozenset(own), len(numbers)) for own in meets])
+    return places_in_blocks(block, order_of_blocks(block[pairs], len(numbers)))
+
+
+def places_in_blocks(block: np.ndarray, order: Sequence[int]) -> np.ndarray:
+    """(n,) the place of each unknown.   block: (n,) of each.   order: of blocks."""
+    place = np.empty(len(block), np.int64)
+    place[np.argsort(np.argsort(order)[block], kind="stable")] = np.arange(len(block))
+    return place
+
+
+def order_of_blocks(pairs: np.ndarray, number: int, early: int = 0) -> list[int]:
+    """Blocks by least degree; those from number `early` on after their neighbours before it.
+
+    pairs: (P, 2) blocks that meet.   number: of blocks.
+    """
+    neighbours: list[set[int]] = [set() for _ in range(number)]
+    for key in np.unique(pairs @ [number, 1]).tolist():  # blocks meet in many entries
+        one, other = divmod(key, number)
+        if one != other:
+            neighbours[one].add(other)
+            neighbours[other].add(one)
+    followers = [[other for other in neighbours[one] if other >= early] for one in range(early)]
+    waiting = [0] * early + [sum(one < early for one in own) for own in neighbours[early:]]
+    todo = [(len(own), one) for one, own in enumerate(neighbours) if not waiting[one]]
+    heapq.heapify(todo)
+    order: list[int] = []
+    is_done = [False] * number
+    while todo:
+        degree, one = heapq.heappop(todo)
+        if is_done[one] or degree != len(neighbours[one]):
+            continue
+        order.append(one)
+        is_done[one] = True
+        own = neighbours[one]
+        for other in own:
+            neighbours[other] |= own
+            neighbours[other] -= {one, other}
+        for other in followers[one] if one < early else ():
+            waiting[other] -= 1
+        for other in own.union(followers[one] if one < early else ()):
+            if not waiting[other]:
+                heapq.heappush(todo, (len(neighbours[other]), other))
+    return order
 
 
 def build_factor(pairs: np.ndarray, number: int) -> SparseFactor:

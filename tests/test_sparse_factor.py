@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_inext.compiled import kernel
-from exudyn_inext.multibody.sparse_factor import (
+from exudyn_inext.sparse_factor import (
     build_factor,
     eliminate_column,
     find_order,
