@@ -223,9 +223,10 @@ def _are_among_bodies(runs: Sequence[Run]) -> bool:
 
 def _step_of_states(run: Run, start: float) -> float:
     """Largest step that resolves oscillations of first order states with velocities [s]."""
+    if not (isinstance(run, CoupledRun) and run.has_states):
+        return math.inf
     run.largest_frequency(start)
-    frequency = run.frequency_of_states if isinstance(run, CoupledRun) else 0.0
-    return OF_STATES / frequency if frequency > 0.0 else math.inf
+    return OF_STATES / run.frequency_of_states if run.frequency_of_states > 0.0 else math.inf
 
 
 def _phase(theta: float) -> float:
