@@ -5,6 +5,7 @@ from typing import Any
 
 from ..errors import ExplicitTrapWarning
 from .arguments import require_system
+from .attach.inert import is_inert_cable
 from .cable_data import belongs_to_a_cable, find_cable_item
 from .on_ground import markers_of
 
@@ -56,7 +57,7 @@ def explicit_traps(mbs: Any) -> list[str]:
             )
         elif item is not None:
             owners |= dict.fromkeys(item.nodes, data["name"])
-        elif "ANCFCable" in data["objectType"]:
+        elif "ANCFCable" in data["objectType"] and not is_inert_cable(data):
             owners |= dict.fromkeys(map(int, data["nodeNumbers"]), data["name"])
         elif _is_joint(data):
             messages.append(

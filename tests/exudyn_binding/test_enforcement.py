@@ -23,6 +23,7 @@ from exudyn_inext import (
     InextensibleCable,
     InputError,
     PenaltyMass,
+    ReplaceNativeCables,
     WarnOfExplicitTraps,
 )
 from exudyn_inext.items.cable_data import find_cable_item
@@ -283,6 +284,13 @@ def test_a_coordinate_constraint_on_a_native_cable_is_named(mbs, dim):
         messages = WarnOfExplicitTraps(mbs)
     assert [str(warning.message) for warning in caught] == messages
     assert len([text for text in messages if re.match(rf"the {message}", text)]) == dim
+
+
+def test_elements_that_a_cable_replaced_are_no_trap_of_their_own(mbs):
+    native_cable(mbs, 2, 2, groundConstraintsStart=[True, True, False, False])
+    ReplaceNativeCables(mbs)
+    with pytest.warns(ExplicitTrapWarning, match="enforcement = 'projection'.*take native elements"):
+        assert len(WarnOfExplicitTraps(mbs)) == 1
 
 
 def test_a_joint_in_a_native_explicit_solver_is_named(mbs, add_cable):
