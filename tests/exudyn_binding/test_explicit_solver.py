@@ -20,6 +20,7 @@ from exudyn_inext import (
 )
 from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import SECTION, add_pendulum
+from tests.random_scenes import RandomScene
 
 PERIOD, STEP = 0.02, 1e-3
 INITIAL = exudyn.ConfigurationType.Initial
@@ -168,6 +169,22 @@ def test_initialised_again_it_begins_from_the_initial_configuration():
     driven.settings.timeIntegration.endTime = 0.0
     driven.begin()
     np.testing.assert_array_equal([driven.step([0.0, 0.1 * k, 0.0]) for k in range(5)], first)
+
+
+@pytest.mark.parametrize("seed", [2, 8])
+def test_cables_that_stretch_among_joints_begin_again_from_the_state_that_is_given(seed):
+    """What was learned from the state before the start moved them by millimetres there."""
+    found = []
+    for starts in (1, 2):
+        scene = RandomScene(seed, stretches=True)
+        scene.mbs.Assemble()
+        settings, solver = quiet_settings(0.02, 20), ExplicitSolver(ExplicitSettings(stepSize=2.5e-4))
+        with silence():
+            for _ in range(starts):
+                solver.InitializeSolver(scene.mbs, settings)
+            solver.SolveSteps(scene.mbs, settings)
+        found.append(scene.mbs.systemData.GetODE2Coordinates())
+    np.testing.assert_allclose(found[1], found[0], rtol=0, atol=1e-12)
 
 
 def test_a_period_that_changes_is_cut_into_other_steps():
