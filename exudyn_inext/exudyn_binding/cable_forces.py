@@ -355,7 +355,10 @@ def _place_of(scene: Scene, number: int) -> int:
     for place, cable in enumerate(scene.cables):
         if cable.number == number:
             return place
-    raise SceneError(f"object {number} is not in the assembled system: call mbs.Assemble().")
+    raise SceneError(
+        f"object {number} is no cable of the assembled system: call mbs.Assemble(), and create sensors after "
+        "items were deleted."
+    )
 
 
 def _require_linear_laws(mbs: Any, cable: CableInScene) -> None:

@@ -130,7 +130,7 @@ class SteppingLoop(ExplicitTimeLoop):
         log = self.changes.log
         has_jumped, log.has_jumped = log.has_jumped and log.is_pending, False
         if self._begins:
-            self._follow_changes()
+            self._follow_changes(jumps=True)
             self._take_over_changes()
             for run in self.runs if not self.changes.moves else ():
                 run.rehearse_start(self.grid, self._duration)

@@ -5,6 +5,7 @@ from typing import Any
 
 from ..errors import ExplicitTrapWarning
 from .arguments import require_system
+from .attach.inert import is_inert_cable
 from .cable_data import belongs_to_a_cable, find_cable_item
 from .on_ground import markers_of
 
@@ -17,11 +18,11 @@ _WRONG_COUPLING = (
 def WarnOfExplicitTraps(mbs: Any) -> list[str]:
     """Warn of what goes wrong when a native explicit solver (RK44, VelocityVerlet, ...) is used on mbs.
 
-    The trap that no solver reports: a CoordinateConstraint that holds a node of an ANCF cable, native or
-    inextensible, gives a wrong motion. Joints, and inextensible cables that native explicit solvers
-    cannot move, are named as well; there, the solvers stop by themselves. Cables with
-    enforcement='penaltyMass' call this themselves as such a solver starts; scenes with native cables
-    alone have to be checked by this function.
+    The traps that no solver reports: a CoordinateConstraint that holds a node of an ANCF cable, native or
+    inextensible, gives a wrong motion, and one that is switched off holds its coordinate all the same.
+    Joints, and inextensible cables that native explicit solvers cannot move, are named as well; there, the
+    solvers stop by themselves. Cables with enforcement='penaltyMass' call this themselves as such a solver
+    starts; scenes with native cables alone have to be checked by this function.
 
     Args:
         mbs: the system, assembled or not; unchanged.
@@ -56,7 +57,7 @@ def explicit_traps(mbs: Any) -> list[str]:
             )
         elif item is not None:
             owners |= dict.fromkeys(item.nodes, data["name"])
-        elif "ANCFCable" in data["objectType"]:
+        elif "ANCFCable" in data["objectType"] and not is_inert_cable(data):
             owners |= dict.fromkeys(map(int, data["nodeNumbers"]), data["name"])
         elif _is_joint(data):
             messages.append(
@@ -67,16 +68,25 @@ def explicit_traps(mbs: Any) -> list[str]:
 
 
 def _is_joint(data: dict[str, Any]) -> bool:
-    """Whether an object constrains others, but for single coordinates."""
+    """Whether an object constrains others, but for single coordinates; native solvers ask no more."""
     kind = data["objectType"]
     constrains = kind.startswith("Joint") or kind in ("ConnectorDistance", "ConnectorCoordinateVector")
-    return constrains and data.get("activeConnector", True) and not belongs_to_a_cable(data)
+    return constrains and not belongs_to_a_cable(data)
 
 
 def _held_nodes(mbs: Any, data: dict[str, Any], owners: dict[int, str]) -> list[str]:
-    """The trap, if `data` is a CoordinateConstraint on a node of a cable.   owners: node -> cable."""
-    if data["objectType"] != "ConnectorCoordinate" or not data["activeConnector"]:
+    """The trap, if `data` is a CoordinateConstraint on a node of a cable, or one that is switched off.
+
+    owners: node -> cable.
+    """
+    if data["objectType"] != "ConnectorCoordinate":
         return []
+    if not data["activeConnector"]:
+        return [
+            f"the CoordinateConstraint '{data['name']}' is switched off, and native explicit solvers hold "
+            "its coordinate all the same, without a message: leave it out, or use an implicit solver or "
+            "SolveExplicit."
+        ]
     return [
         f"the CoordinateConstraint '{data['name']}' holds coordinate {marker['coordinate']} of node "
         f"{int(marker['nodeNumber'])} of the ANCF cable '{owners[int(marker['nodeNumber'])]}': "

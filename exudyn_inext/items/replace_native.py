@@ -141,7 +141,7 @@ def _add(mbs: Any, new: _Replacement, taken: set[int]) -> dict[str, Any]:
         mbs.SetObjectParameter(element, "nodeNumbers", list(pair))
         for name in nothing:
             mbs.SetObjectParameter(element, name, 0)
-    item.replaced = dict.fromkeys(new.chain.elements, new.chain.section | nothing)
+    item.replaced = {number: _left(mbs.GetObject(number)) for number in new.chain.elements}
     add_user_forces(mbs, item, new.section, new.functions)
     return made
 
@@ -154,16 +154,31 @@ def _copied_node(mbs: Any, node: int) -> int:
     return int(mbs.AddNode(node_type(**{name: list(data[name]) for name in names})))
 
 
+def _left(data: dict[str, Any]) -> dict[str, Any]:
+    """Properties of an element that a cable replaced.   data: of the object."""
+    return section_of(data) | {"length": data["length"], "nodeNumbers": _nodes(data)}
+
+
+def _nodes(data: dict[str, Any]) -> list[int]:
+    return [*map(int, data.get("nodeNumbers", ()))]
+
+
 def require_as_replaced(item: CableItem, name: str, objects: Sequence[dict[str, Any]]) -> None:
-    """Raise SceneError if an element that a cable replaced has got other properties since then.
+    """Raise SceneError if an element that a cable replaced has got other properties or numbers since then.
 
     name: of the cable.   objects: data of all of mbs.
     """
     for number, left in item.replaced.items():
-        present = section_of(objects[number])
+        data = objects[number] if number < len(objects) else {}
+        if _nodes(data) != left["nodeNumbers"]:
+            raise SceneError(
+                f"object {number} is no longer the element on nodes {left['nodeNumbers']}, in whose place "
+                f"cable '{name}' is: delete items, if any, before ReplaceNativeCables is called."
+            )
+        present = _left(data)
         for what in (key for key in left if present[key] != left[key]):
             raise SceneError(
                 f"{what} = {present[what]!r} was set of {described(objects[number], number)}, in whose place "
                 f"cable '{name}' is, which would not have it: set it before ReplaceNativeCables is called, "
-                "or leave that element to Exudyn, by objectNumbers."
+                "or leave all elements of that cable to Exudyn, by objectNumbers."
             )

@@ -109,6 +109,7 @@ class CoupledRun(LimitedRun):
             run.state.q[:], run.state.v[:] = state.q[dofs], state.v[dofs]
             run.make_consistent(start)
             state.q[dofs], state.v[dofs] = run.state.q, run.state.v
+        self.forget()  # to look at violations has taught something, and not of this state
         self._project(start)
 
     def _project(self, start: Start) -> None:

@@ -114,6 +114,11 @@ class MovedByExudyn(Mover):
         self._scene.native_items.ramped.begin(changed, line)
         return not parts or all(starmap(parts.form.take_over, masses))
 
+    def take_constants(self) -> None:
+        if parts := self._scene.parts_in_one:
+            parts.form.loads.take_constants()
+        super().take_constants()
+
     @property
     def ramp(self) -> dict[str, list[Any]]:
         return dict(self._scene.native_items.ramped.kept)

@@ -9,6 +9,7 @@ import exudyn
 import numpy as np
 import pytest
 from exudyn.itemInterface import (
+    CartesianSpringDamper,
     CoordinateConstraint,
     DistanceConstraint,
     GenericJoint,
@@ -557,8 +558,22 @@ def test_what_is_set_before_the_first_step_is_there_from_the_beginning(kind):
     assert np.array_equal(motion(10.0), motion(0.0))
 
 
-def test_a_weight_that_changes_acts_alone_and_among_others():
-    alone, beside = moved(weight, False).motion, moved(weight_beside_a_mass, False).motion[:, :2]
+def weight_beside_a_function(model):
+    """Which Exudyn evaluates: cables and the mass are compiled parts of that scene."""
+    _, mass = model.mass_point([0, 1, 0])
+    markers = [model.at_point([0, 1, 0]), model.mbs.AddMarker(MarkerBodyPosition(bodyNumber=mass))]
+    spring = CartesianSpringDamper(
+        markerNumbers=markers,
+        stiffness=[5.0, 5.0, 5.0],
+        springForceUserFunction=lambda mbs, t, number, u, v, k, d, offset: [k[0] * x for x in u],
+    )
+    model.mbs.AddObject(spring)
+    return weight(model)
+
+
+@pytest.mark.parametrize("others", [weight_beside_a_mass, weight_beside_a_function], ids=name_of)
+def test_a_weight_that_changes_acts_alone_and_among_others(others):
+    alone, beside = moved(weight, False).motion, moved(others, False).motion[:, :2]
     without = moved(lambda model: lambda t: None, False).motion
     assert deviation(beside, alone) < 1e-3
     assert deviation(without, alone) > 0.05

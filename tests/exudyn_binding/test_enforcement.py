@@ -23,6 +23,7 @@ from exudyn_inext import (
     InextensibleCable,
     InputError,
     PenaltyMass,
+    ReplaceNativeCables,
     WarnOfExplicitTraps,
 )
 from exudyn_inext.items.cable_data import find_cable_item
@@ -285,12 +286,34 @@ def test_a_coordinate_constraint_on_a_native_cable_is_named(mbs, dim):
     assert len([text for text in messages if re.match(rf"the {message}", text)]) == dim
 
 
-def test_a_joint_in_a_native_explicit_solver_is_named(mbs, add_cable):
-    """Exudyn refuses it, too, but does not say what takes its place."""
+def test_elements_that_a_cable_replaced_are_no_trap_of_their_own(mbs):
+    native_cable(mbs, 2, 2, groundConstraintsStart=[True, True, False, False])
+    ReplaceNativeCables(mbs)
+    with pytest.warns(ExplicitTrapWarning, match="enforcement = 'projection'.*take native elements"):
+        assert len(WarnOfExplicitTraps(mbs)) == 1
+
+
+def test_constraints_that_are_switched_off_are_named_as_native_explicit_solvers_hold_them(mbs):
+    tip = native_cable(mbs, 2, 2)["nodes"][-1]
+    ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+    height = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=tip, coordinate=1))
+    mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, height], name="stop", activeConnector=False))
+    mbs.Assemble()
+    with pytest.warns(ExplicitTrapWarning, match=r"'stop' is switched off, .* all the same.*leave it out"):
+        assert len(WarnOfExplicitTraps(mbs)) == 1
+    with silence():
+        mbs.SolveDynamic(quiet_settings(0.01, 1000), solverType=exudyn.DynamicSolverType.RK44)
+    assert mbs.GetNodeOutput(tip, exudyn.OutputVariableType.Displacement)[1] == 0.0
+
+
+@pytest.mark.parametrize("active", [True, False])
+def test_a_joint_in_a_native_explicit_solver_is_named(mbs, add_cable, active):
+    """Exudyn refuses it, too, on or off, but does not say what takes its place."""
     cable = add_cable(mbs, numberOfElements=2, enforcement="penaltyMass")
     ground = mbs.AddMarker(MarkerBodyPosition(bodyNumber=mbs.CreateGround()))
     start = mbs.AddMarker(MarkerNodePosition(nodeNumber=cable["nodes"][0]))
-    mbs.AddObject(SphericalJoint(markerNumbers=[ground, start], constrainedAxes=[1, 1, 0], name="hook"))
+    axes = {"constrainedAxes": [1, 1, 0], "activeConnector": active}
+    mbs.AddObject(SphericalJoint(markerNumbers=[ground, start], name="hook", **axes))
     mbs.Assemble()
     with pytest.warns(ExplicitTrapWarning, match=r"'hook' \(JointSpherical\) is a joint.*use SolveExplicit"):
         WarnOfExplicitTraps(mbs)

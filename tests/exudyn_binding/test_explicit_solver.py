@@ -6,7 +6,18 @@ import weakref
 import exudyn
 import numpy as np
 import pytest
-from exudyn.itemInterface import LoadForceVector, MarkerNodePosition, SensorNode
+from exudyn.beams import GenerateBeamElementsAlongLine
+from exudyn.itemInterface import (
+    CartesianSpringDamper,
+    LoadForceVector,
+    MarkerBodyPosition,
+    MarkerBodyRigid,
+    MarkerNodePosition,
+    ObjectANCFCable2D,
+    RevoluteJoint2D,
+    SensorNode,
+)
+from exudyn.utilities import InertiaCuboid
 
 from exudyn_inext import (
     CableDrag,
@@ -14,12 +25,14 @@ from exudyn_inext import (
     ExplicitSettings,
     ExplicitSolver,
     InextensibleCable,
+    ReplaceNativeCables,
     SceneError,
     SetCableDrag,
     SolveExplicit,
 )
 from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import SECTION, add_pendulum
+from tests.random_scenes import RandomScene
 
 PERIOD, STEP = 0.02, 1e-3
 INITIAL = exudyn.ConfigurationType.Initial
@@ -168,6 +181,65 @@ def test_initialised_again_it_begins_from_the_initial_configuration():
     driven.settings.timeIntegration.endTime = 0.0
     driven.begin()
     np.testing.assert_array_equal([driven.step([0.0, 0.1 * k, 0.0]) for k in range(5)], first)
+
+
+@pytest.mark.parametrize("seed", [2, 8])
+def test_cables_that_stretch_among_joints_begin_again_from_the_state_that_is_given(seed):
+    """What was learned from the state before the start moved them by millimetres there."""
+    found = []
+    for starts in (1, 2):
+        scene = RandomScene(seed, stretches=True)
+        scene.mbs.Assemble()
+        settings, solver = quiet_settings(0.02, 20), ExplicitSolver(ExplicitSettings(stepSize=2.5e-4))
+        with silence():
+            for _ in range(starts):
+                solver.InitializeSolver(scene.mbs, settings)
+            solver.SolveSteps(scene.mbs, settings)
+        found.append(scene.mbs.systemData.GetODE2Coordinates())
+    np.testing.assert_allclose(found[1], found[0], rtol=0, atol=1e-12)
+
+
+def sprung_and_weighed(mbs):
+    """A replaced cable with a body at its end, on a spring that Exudyn evaluates; numbers of all weights."""
+    line = {
+        "positionStart": [0, 0, 0],
+        "positionEnd": [1, 0, 0],
+        "numberOfElements": 5,
+        "gravity": [0, -9.81, 0],
+    }
+    section = ObjectANCFCable2D(massPerLength=0.2, bendingStiffness=0.03, axialStiffness=2e3)
+    pin = {"groundConstraintsStart": [True, True, False, False]}
+    tip = GenerateBeamElementsAlongLine(mbs, beamTemplate=section, **line, **pin)["nodes"][-1]
+    ReplaceNativeCables(mbs)
+    inertia = InertiaCuboid(500, [0.2, 0.1, 0.05])
+    body = mbs.CreateRigidBody(
+        referencePosition=[1.1, 0, 0], inertia=inertia, gravity=[0, -9.81, 0], create2D=True
+    )
+    end = mbs.AddMarker(MarkerBodyRigid(bodyNumber=body, localPosition=[-0.1, 0, 0]))
+    node = mbs.AddMarker(MarkerNodePosition(nodeNumber=tip))
+    mbs.AddObject(RevoluteJoint2D(markerNumbers=[end, node]))
+    ground = mbs.AddMarker(MarkerBodyPosition(bodyNumber=mbs.CreateGround(), localPosition=[1, 0, 0]))
+    pull = {"springForceUserFunction": lambda mbs, t, number, u, v, k, d, offset: [k[0] * x for x in u]}
+    mbs.AddObject(CartesianSpringDamper(markerNumbers=[ground, node], stiffness=[5, 5, 5], **pull))
+    mbs.Assemble()
+    return range(mbs.systemData.NumberOfLoads())
+
+
+def test_weights_that_are_set_before_the_first_step_are_there_from_its_beginning_each_time(mbs):
+    weights, settings, solver = sprung_and_weighed(mbs), quiet_settings(0.02, 1), ExplicitSolver()
+    begin, found = mbs.systemData.GetSystemState(INITIAL), []
+    for factor in (1.4, 2.0, 1.4):
+        mbs.systemData.SetSystemState(begin, INITIAL)
+        with silence():
+            solver.InitializeSolver(mbs, settings)
+            for number in weights:
+                mbs.SetLoadParameter(number, "loadVector", [0, -9.81 * factor, 0])
+            solver.SolveSteps(mbs, settings)
+        found.append(mbs.systemData.GetODE2Coordinates())
+    np.testing.assert_allclose(found[2], found[0], rtol=0, atol=1e-12)
+    body_is_at, fall = -2, 0.5 * 9.81 * 0.02**2
+    assert found[0][body_is_at] == pytest.approx(-1.4 * fall, rel=0.01)
+    assert found[1][body_is_at] == pytest.approx(-2.0 * fall, rel=0.01)
 
 
 def test_a_period_that_changes_is_cut_into_other_steps():

@@ -1,5 +1,7 @@
 """ReplaceNativeCables: native elements, replaced, move as cables that were created in their place."""
 
+from itertools import pairwise
+
 import exudyn
 import numpy as np
 import pytest
@@ -192,6 +194,57 @@ def test_it_moves_as_the_native_elements_do(new_mbs, solve, dim):
     np.testing.assert_allclose(found[0], found[1], atol=2e-3)  # of 0.4 m
 
 
+def three_at_a_node(mbs):
+    """Nodes of a Y, whose arms go on along the slope of the stem."""
+    stem = GenerateBeamElementsAlongLine(mbs, **line(elements=4))
+    node = stem["nodes"][-1]
+    arms = [
+        GenerateBeamElementsAlongLine(
+            mbs, **line(start=1.0, end=end, elements=4, pinned=False, nodeNumberStart=node)
+        )
+        for end in (1.8, 1.5)
+    ]
+    return [node, *(arm["nodes"][-1] for arm in arms)]
+
+
+def loop_at_an_end(mbs):
+    """Nodes of a stem with a loop, which begins and ends at the last node of the stem."""
+    stem = GenerateBeamElementsAlongLine(mbs, **line(elements=4))
+    radius, number = 0.2, 12
+    angles = 2.0 * np.pi * np.arange(1, number) / number
+    rows = np.stack(
+        [1.0 + radius * np.sin(angles), radius * (1.0 - np.cos(angles)), np.cos(angles), np.sin(angles)],
+        axis=1,
+    )
+    inner = [mbs.AddNode(NodePoint2DSlope1(referenceCoordinates=row)) for row in rows.tolist()]
+    around, length = [stem["nodes"][-1], *inner, stem["nodes"][-1]], 2.0 * np.pi * radius / number
+    for pair in pairwise(around):
+        body = mbs.AddObject(ObjectANCFCable2D(**THICK, length=length, nodeNumbers=list(pair)))
+        marker = mbs.AddMarker(MarkerBodyMass(bodyNumber=body))
+        mbs.AddLoad(LoadMassProportional(markerNumber=marker, loadVector=GRAVITY))
+    return [around[0], inner[number // 2]]
+
+
+@pytest.mark.parametrize("build", [three_at_a_node, loop_at_an_end])
+def test_elements_that_branch_move_as_the_native_ones_do(new_mbs, solve, build):
+    found = []
+    for replaced in (True, False):
+        mbs = new_mbs()
+        sensors = watched(mbs, *build(mbs))
+        if replaced:
+            ReplaceNativeCables(mbs)
+        mbs.Assemble()
+        settings = quiet_settings(0.3, 300, 0.05)
+        if replaced:
+            solve(mbs, settings=settings, stepSize=5e-5)
+        else:
+            with silence():
+                mbs.SolveDynamic(settings)
+        found.append(np.array([trajectory(mbs, sensor)[:, 1:] for sensor in sensors]))
+    np.testing.assert_allclose(found[0], found[1], atol=2e-3)
+    assert np.abs(found[0] - found[0][:, :1]).max() > 0.3
+
+
 def test_initial_states_of_nodes_stay_also_where_cables_share_one(mbs):
     states = {
         "initialCoordinates": [0.0, 0.1, 0.0, 0.0],
@@ -250,7 +303,7 @@ def test_what_is_left_on_a_node_of_a_cable_is_refused_and_can_be_replaced_later(
     np.testing.assert_allclose(found[1], found[0], atol=5e-4)  # of 0.4 m
 
 
-@pytest.mark.parametrize("name", ["bendingStiffness", "referenceAxialStrain"])
+@pytest.mark.parametrize("name", ["bendingStiffness", "referenceAxialStrain", "length"])
 @pytest.mark.parametrize("with_body", [False, True])
 def test_properties_of_elements_that_are_set_later_are_refused(mbs, solve, name, with_body):
     made = GenerateBeamElementsAlongLine(mbs, **line())
@@ -259,6 +312,7 @@ def test_properties_of_elements_that_are_set_later_are_refused(mbs, solve, name,
     ReplaceNativeCables(mbs)
     mbs.Assemble()
     element = made["elements"][2]
+    before = mbs.GetObjectParameter(element, name)
     said = rf"{name} = 0.01 was set of object 2 .*\(ANCFCable2D\), in whose place cable .*before Replace"
 
     def change(mbs, t):
@@ -270,8 +324,28 @@ def test_properties_of_elements_that_are_set_later_are_refused(mbs, solve, name,
         with pytest.raises(SceneError, match=said):
             solve(mbs, 0.1, steps=10)
         mbs.SetPreStepUserFunction(0)
-    mbs.SetObjectParameter(element, name, 0.0)
+    mbs.SetObjectParameter(element, name, before)
     assert solve(mbs, 0.1, steps=10)["success"]
+
+
+def test_elements_that_have_other_numbers_by_now_are_refused_by_a_remedy_that_works(new_mbs, solve):
+    for late in (True, False):
+        mbs = new_mbs()
+        ground = mbs.CreateGround()
+        made = GenerateBeamElementsAlongLine(mbs, **line(elements=1))
+        if late:
+            ReplaceNativeCables(mbs)
+        mbs.DeleteObject(ground, suppressWarnings=True)
+        if late:
+            mbs.Assemble()
+            with pytest.raises(
+                SceneError, match=r"object 1 is no longer the element on nodes \[0, 1\], .*delete"
+            ):
+                solve(mbs)
+    ReplaceNativeCables(mbs)
+    mbs.Assemble()
+    assert solve(mbs, 0.1, steps=10)["success"]
+    assert mbs.GetNodeOutput(made["nodes"][-1], POSITION)[1] < -0.02
 
 
 def test_elements_without_counterpart_are_named_and_nothing_is_changed(mbs, contents):
