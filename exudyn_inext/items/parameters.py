@@ -10,6 +10,11 @@ _GET, _SET = (
 )
 
 _CENTRE = "centerofmass"
+# of grounds: which of them a marker names, and what places it; coordinates of a node are relative to that
+_PLACES = {
+    "Object": ("bodyNumber", ("referencePosition", "referenceRotation")),
+    "Node": ("nodeNumber", ("referenceCoordinates",)),
+}
 
 
 class Parameter(NamedTuple):
@@ -50,10 +55,15 @@ def markers_placed_by(mbs: Any, key: Parameter) -> list[int] | None:
     """Markers that a parameter of a marker or a ground gives another place; None: it does something else."""
     if key.kind == "Marker":
         return [key.number] if key.name == "localPosition" else None
-    if key.kind != "Object" or key.name not in ("referencePosition", "referenceRotation"):
+    owner, names = _PLACES.get(key.kind, ("", ()))
+    if key.name not in names:
         return None
-    markers = range(mbs.systemData.NumberOfMarkers())
-    return [number for number in markers if int(mbs.GetMarker(number).get("bodyNumber", -1)) == key.number]
+    markers = ((number, mbs.GetMarker(number)) for number in range(mbs.systemData.NumberOfMarkers()))
+    return [
+        number
+        for number, data in markers
+        if int(data.get(owner, -1)) == key.number and "Coordinate" not in data["markerType"]
+    ]
 
 
 def objects_at(mbs: Any, marker: int) -> list[int]:

@@ -66,8 +66,9 @@ def _joint(mbs: Any, number: int, data: dict[str, Any], name: str) -> JointItem:
         raise SceneError(
             f"{name} has an equation that does not depend on any coordinate in the initial configuration (a "
             "singular position, an axis across the plane of a planar cable, or both markers at rest): move "
-            "its markers apart, free that axis, as by constrainedAxes=[1, 1, 0], between planar bodies take "
-            "an ObjectJointRevolute2D or ObjectJointPrismatic2D, or remove it."
+            "its markers apart, free that axis, as by constrainedAxes=[1, 1, 0] (CreateGenericJoint in place "
+            "of joints without them), between planar bodies take an ObjectJointRevolute2D or "
+            "ObjectJointPrismatic2D, or remove it."
         )
     of_markers = np.array(mbs.systemData.GetObjectLTGODE2(number), dtype=int)
     coordinates, columns = of_markers, None

@@ -144,6 +144,9 @@ class NativeItems:
     def rates_of_states(self, t: float, q: Array, v: Array) -> Array:
         """y' (k,) of the first order states, which are the last ones of v."""
         self.set_state(t, q, v)
+        return self._present_rates()
+
+    def _present_rates(self) -> Array:
         self._solver.ComputeODE1RHS(self._mbs)
         second, first = self._sizes
         result: Array = self._solver.GetSystemResidual()[second : second + first]
@@ -297,6 +300,8 @@ class NativeItems:
     def show(self, t: float, state: Any, multipliers: Array) -> None:
         """Leave the state at t in mbs, with the Lagrange multipliers of all algebraic equations."""
         self.set_state(t, state.q, state.v)
+        if self._sizes[1]:
+            self._data.SetODE1Coordinates_t(self._present_rates())
         self._data.SetAECoordinates(multipliers)
 
     def multipliers(self, rows: Array, t: float, q: Array) -> Array:

@@ -281,6 +281,29 @@ def moving_ground_of_a_hanger(model):
     return lambda t: model.set_object(ground, referencePosition=[1.4 + 0.3 * t, 0.3 + 0.5 * t**2, 0])
 
 
+def moving_ground_node_of_a_hanger(model):
+    ground, place = ground_node(model, [1.4, 0.3, 0])
+    ends = [ground, model.at(model.nodes[-1])]
+    model.mbs.AddObject(DistanceConstraint(markerNumbers=ends, distance=0.5))
+    return lambda t: place([1.4 + 0.3 * t, 0.3 + 0.5 * t**2, 0])
+
+
+def moving_ground_node_of_a_spring(model):
+    """A mass on it draws at the tip."""
+    ground, place = ground_node(model, [1.8, -0.5, 0])
+    node, _ = model.mass_point([1.8, -0.1, 0])
+    for end, length in ((ground, 0.4), (model.at(model.nodes[-1]), 0.1)):
+        ends = [end, model.at(node)]
+        model.mbs.AddObject(SpringDamper(markerNumbers=ends, referenceLength=length, stiffness=20.0))
+    return lambda t: place([1.8 - 0.5 * t, -0.5 - t, 0])
+
+
+def ground_node(model, position):
+    """A marker there, and what gives it another place."""
+    node = model.mbs.AddNode(NodePointGround(referenceCoordinates=position))
+    return model.at(node), lambda x: model.mbs.SetNodeParameter(node, "referenceCoordinates", x)
+
+
 def weight(model):
     """On companions: kernels evaluate it, also among others."""
     markers = [
@@ -442,6 +465,7 @@ ALONE = [
     winch,
     moving_end_of_a_hanger,
     moving_ground_of_a_hanger,
+    moving_ground_node_of_a_hanger,
     feedback_of_a_sensor,
 ]
 AMONG_OTHERS = [
@@ -452,6 +476,7 @@ AMONG_OTHERS = [
     driven_mass,
     mass_driven_at_a_speed,
     ground_that_turns,
+    moving_ground_node_of_a_spring,
     mass_that_grows,
 ]
 IN_SPACE = [  # the others are tried in the plane, as these are in other tests
@@ -507,7 +532,15 @@ def test_so_does_one_that_steers_a_joint(dim):
 
 
 @pytest.mark.parametrize(
-    "kind", [driven_mass, mass_driven_at_a_speed, ground_that_turns, steered_joint], ids=name_of
+    "kind",
+    [
+        driven_mass,
+        mass_driven_at_a_speed,
+        ground_that_turns,
+        moving_ground_node_of_a_spring,
+        steered_joint,
+    ],
+    ids=name_of,
 )
 def test_runs_go_on_with_what_is_set_step_by_step(kind, monkeypatch):
     """Each step took 10 to 60 ms where they were built again."""

@@ -240,7 +240,7 @@ def test_the_stability_limit_counts_spring_and_damper(oscillator):
 
 @every_integrator
 def test_first_order_states_are_integrated_with_the_scheme(mbs, add_pendulum, solve, integrator):
-    """y' = -2 y beside a cable, observed at t = 0.5."""
+    """y' = -2 y beside a cable, observed at t = 0.5; y' is shown, too."""
     add_pendulum(mbs)
     node = mbs.AddNode(
         NodeGenericODE1(referenceCoordinates=[0], initialCoordinates=[3.0], numberOfODE1Coordinates=1)
@@ -250,7 +250,9 @@ def test_first_order_states_are_integrated_with_the_scheme(mbs, add_pendulum, so
     errors = []
     for h in (2e-3, 1e-3):
         solve(mbs, 0.5, integrator=integrator, stepSize=h)
-        errors.append(abs(mbs.systemData.GetODE1Coordinates()[0] - 3 * np.exp(-1.0)))
+        (y,) = mbs.systemData.GetODE1Coordinates()
+        assert mbs.systemData.GetODE1Coordinates_t() == pytest.approx([-2 * y])
+        errors.append(abs(y - 3 * np.exp(-1.0)))
     assert errors[1] < 1e-5
     assert np.log2(errors[0] / errors[1]) == pytest.approx(INTEGRATORS[integrator].order, abs=0.3)
 

@@ -50,14 +50,14 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
     Args:
         mbs: the system.   runs: of it.   own: objects that belong to a cable.   key: what has changed.
     """
-    if key.kind == "Node":
+    if key.kind == "Node" and key.name != "referenceCoordinates":
         return Demand.NOTHING  # initial values
     coupled = [run for run in runs if isinstance(run, CoupledRun)]
     if not coupled:
         return Demand.READ
     if key.kind == "Load":
         return Demand.WEIGH if _is_weight_of_cable(mbs, key.number) else Demand.EVALUATE
-    data = {} if key.kind == "Marker" else mbs.GetObject(key.number)
+    data = mbs.GetObject(key.number) if key.kind == "Object" else {}
     kind = data.get("objectType", "")
     if kind in ("", "Ground"):
         return _demand_of_place(mbs, coupled, own, key)

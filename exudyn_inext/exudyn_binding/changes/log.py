@@ -160,7 +160,7 @@ class ChangeLog:
         self._set = dict.fromkeys(self._set)
 
     def _require_possible(self, key: Parameter) -> None:
-        if key.name in _CONNECTIONS or (key.kind, key.name) == ("Node", "referenceCoordinates"):
+        if key.name in _CONNECTIONS or self._is_reference(key):
             self.refuse(
                 f"{key} was to be changed",
                 "build all items before the run, and use activeConnector to switch",
@@ -176,6 +176,15 @@ class ChangeLog:
                 f"{key} was changed while steps are computed ahead",
                 "register a pre-step user function, mbs.SetPreStepUserFunction(lambda mbs, t: True)",
             )
+
+    def _is_reference(self, key: Parameter) -> bool:
+        """Whether coordinates that move are counted from it, or a mass point is there."""
+        if (key.kind, key.name) != ("Node", "referenceCoordinates"):
+            return False
+        if self.mbs.GetNode(key.number)["nodeType"] != "PointGround":
+            return True
+        objects = map(self.mbs.GetObject, range(self.mbs.systemData.NumberOfObjects()))
+        return any(int(data.get("nodeNumber", -1)) == key.number for data in objects)
 
     def refused(self, error: Exception) -> bool:
         """Whether an error of Exudyn is what was made of a refusal."""

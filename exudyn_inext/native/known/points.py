@@ -151,16 +151,20 @@ class PointReader:
         """A marker on the ground or a body has another place.   memories: records that systems hold now."""
         if number not in self._known:
             return
-        local, place = self._mbs.GetMarkerParameter(number, "localPosition"), self._known[number].point
+        place, mbs = self._known[number].point, self._mbs
+        marker = mbs.GetMarker(number)
         if self._points[place]["kind"] == ON_BODY:
             for points in memories:
-                points["local"][place] = local
+                points["local"][place] = marker["localPosition"]
             return
-        body = self._mbs.GetMarkerParameter(number, "bodyNumber")
-        position, rotation = (
-            self._mbs.GetObjectParameter(body, name) for name in ("referencePosition", "referenceRotation")
-        )
-        x = _place_on_ground(position, rotation, local)
+        if marker["markerType"].startswith("Node"):
+            x, rotation = mbs.GetNodeParameter(marker["nodeNumber"], "referenceCoordinates"), _ALONG
+        else:
+            position, rotation = (
+                mbs.GetObjectParameter(marker["bodyNumber"], name)
+                for name in ("referencePosition", "referenceRotation")
+            )
+            x = _place_on_ground(position, rotation, marker["localPosition"])
         for points in memories:
             points["x"][place, 0], points["orientation"][place] = x, rotation
 

@@ -233,7 +233,7 @@ class KnownNumbers:
             return name in OF_MATRICES and self._matrices_again(number, memories[0].linear_forces)
         if kind == "Object" and number in self._bodies:
             return self._weigh_again(number, memories)
-        if kind == "Marker" or number not in (self._forces if kind == "Load" else self._springs):
+        if kind in ("Marker", "Node") or number not in (self._forces if kind == "Load" else self._springs):
             return self._place_again(item, memories)
         before = self._reader.number_of_points
         try:
