@@ -192,6 +192,15 @@ def load_that_walks(model):
     return lambda t: model.mbs.SetLoadParameter(load, "markerNumber", markers[8 - min(8, int(10 * t))])
 
 
+def load_that_leaves_a_mass(model):
+    """For a node of the cable that nothing else needs."""
+    node, _ = model.mass_point([1.8, -0.4, 0])
+    markers = [model.at(model.nodes[-1]), model.at(node)]
+    model.mbs.AddObject(SpringDamper(markerNumbers=markers, referenceLength=0.4, stiffness=50))
+    load, marker = model.force(node, [0, 0.5, 0]), model.at(model.nodes[3])
+    return lambda t: model.mbs.SetLoadParameter(load, "markerNumber", marker if t > 0.1 else markers[1])
+
+
 def user_function_replaced(model):
     load = model.force(model.nodes[-1], loadVectorUserFunction=lambda mbs, t, load: [0.2 * t, 0, 0])
 
@@ -469,6 +478,7 @@ ALONE = [
     feedback_of_a_sensor,
 ]
 AMONG_OTHERS = [
+    load_that_leaves_a_mass,
     spring_that_grabs,
     release_beside_a_mass,
     joint_released_and_caught,

@@ -235,7 +235,6 @@ class KnownNumbers:
             return self._weigh_again(number, memories)
         if kind in ("Marker", "Node") or number not in (self._forces if kind == "Load" else self._springs):
             return self._place_again(item, memories)
-        before = self._reader.number_of_points
         try:
             is_known = (
                 self._load_again(item, value, loads)
@@ -244,7 +243,7 @@ class KnownNumbers:
             )
         except UnknownItemError:
             return False
-        return is_known and self._reader.number_of_points == before
+        return is_known and self._reader.number_of_points == len(memories[0].points)
 
     def _places_of(self, items: Sequence[ChangedItem]) -> list[tuple[int, np.ndarray]]:
         """Kinds and places (k,) of the numbers of records that follow parameters, if nothing else does.
