@@ -1,6 +1,6 @@
 """A coupled scene that Python moves, with forces, and what has no compiled form, from Exudyn."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from itertools import starmap
 from typing import Any
 
@@ -92,6 +92,11 @@ class MovedByExudyn(Mover):
     def can_move(self, number: int) -> bool:
         """Whether the offset of a joint may be set between steps."""
         return True
+
+    def moves_springs_alone(self, markers: Collection[int], objects: Collection[int]) -> bool:
+        """See `Mover.moves_springs_alone`."""
+        joints = (joint.number for joint in self._scene.joints)
+        return not self._scene.mbs.NumberOfGeneralContacts() and set(objects).isdisjoint(joints)
 
     @property
     def follows_contacts(self) -> bool:

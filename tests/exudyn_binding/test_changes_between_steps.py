@@ -1,7 +1,7 @@
 """What pre- and post-step functions change acts from that step on, as with Exudyn's implicit solver."""
 
 from contextlib import suppress
-from functools import cache
+from functools import cache, partial
 from types import SimpleNamespace
 from unittest.mock import Mock
 
@@ -601,8 +601,8 @@ def test_what_is_set_before_the_first_step_is_there_from_the_beginning(kind):
     assert np.array_equal(motion(10.0), motion(0.0))
 
 
-def weight_beside_a_function(model):
-    """Which Exudyn evaluates: cables and the mass are compiled parts of that scene."""
+def beside_a_function(kind, model):
+    """Which Exudyn evaluates: cables and a mass are compiled parts of that scene."""
     _, mass = model.mass_point([0, 1, 0])
     markers = [model.at_point([0, 1, 0]), model.mbs.AddMarker(MarkerBodyPosition(bodyNumber=mass))]
     spring = CartesianSpringDamper(
@@ -611,7 +611,21 @@ def weight_beside_a_function(model):
         springForceUserFunction=lambda mbs, t, number, u, v, k, d, offset: [k[0] * x for x in u],
     )
     model.mbs.AddObject(spring)
-    return weight(model)
+    return kind(model)
+
+
+def weight_beside_a_function(model):
+    return beside_a_function(weight, model)
+
+
+@pytest.mark.parametrize("kind", [ground_that_turns, moving_ground_node_of_a_spring], ids=name_of)
+def test_places_at_springs_change_in_the_same_way_where_exudyn_evaluates_them(kind):
+    """They jumped in each step."""
+    compiled = moved(kind, False, end_time=0.1, stepSize=STEP)
+    evaluated = moved(partial(beside_a_function, kind), False, end_time=0.1, stepSize=STEP)
+    without_the_mass = np.delete(evaluated.motion, 2, axis=1)
+    np.testing.assert_allclose(without_the_mass, compiled.motion, rtol=0, atol=1e-9)
+    assert "(bodies and joints are compiled)" in evaluated.report["path"]
 
 
 @pytest.mark.parametrize("others", [weight_beside_a_mass, weight_beside_a_function], ids=name_of)
