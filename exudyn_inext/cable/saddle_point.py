@@ -238,6 +238,16 @@ def expand_solution(axes, nodes, elements, column, x):
 
 
 @inlined
+def _expand_backward(axes, nodes, elements, column, x):
+    """Second half of a solve for one column, and its solution x (n, 2, dim)."""
+    z, right = local_array(2, 6), local_array(2, 6)
+    clear(right)
+    for k in range(len(nodes) - 1, -1, -1):
+        _pass_backward(axes, (0,), column, nodes[k], z, right)
+        _expand(axes, nodes, elements, k, column, 0, z, x)
+
+
+@inlined
 def solve_column(axes, nodes, elements, column, x):
     """Solve M x + C_q^T lam = f, C_q x = b for one column of `force` and `target`.
 
@@ -247,11 +257,7 @@ def solve_column(axes, nodes, elements, column, x):
         x: (n, 2, dim) solution; the multipliers are left in the elements.
     """
     substitute_forward(axes, nodes, elements, (0,), column)
-    z, right = local_array(2, 6), local_array(2, 6)
-    clear(right)
-    for k in range(len(nodes) - 1, -1, -1):
-        _pass_backward(axes, (0,), column, nodes[k], z, right)
-        _expand(axes, nodes, elements, k, column, 0, z, x)
+    _expand_backward(axes, nodes, elements, column, x)
 
 
 @inlined
@@ -303,11 +309,7 @@ def solve_for_force(axes, nodes, elements, force, x):
         else:
             for i in range(size):
                 nodes[k].solution[0, i] = 0.0
-    right = passed_on
-    clear(right)
-    for k in range(len(nodes) - 1, -1, -1):
-        _pass_backward(axes, (0,), 0, nodes[k], z, right)
-        _expand(axes, nodes, elements, k, 0, 0, z, x)
+    _expand_backward(axes, nodes, elements, 0, x)
 
 
 @inlined
