@@ -333,15 +333,20 @@ def _cable_in_scene(
 
 
 def _require_references(mbs: Any, cables: Iterable[CableInScene]) -> None:
-    """Raise SceneError if a node has another reference than its cable was created with."""
+    """Raise SceneError if a node has another reference than its cable was created with.
+
+    Also one that was set after mbs.Assemble: native elements have it at once.
+    """
     all_of_them = np.asarray(mbs.systemData.GetODE2Coordinates(exudyn.ConfigurationType.Reference))
     for scene_cable in cables:
-        created = scene_cable.cable.reference
-        changes = np.abs(all_of_them[scene_cable.indices].reshape(created.shape) - created).max(axis=(1, 2))
+        created, names = scene_cable.cable.reference, scene_cable.item.node_names
+        of_nodes = [mbs.GetNodeParameter(node, "referenceCoordinates") for node in names]
+        present = all_of_them[scene_cable.indices], np.asarray(of_nodes)
+        changes = np.max([np.abs(q.reshape(created.shape) - created).max(axis=(1, 2)) for q in present], 0)
         k = int(changes.argmax())
         if changes[k] > COINCIDENT:
             raise SceneError(
-                f"referenceCoordinates of node {scene_cable.item.node_names[k]} of cable "
+                f"referenceCoordinates of node {names[k]} of cable "
                 f"'{scene_cable.name}' were changed by {changes[k]:.3g} (limit {COINCIDENT:g}), but its "
                 "elements keep the shape that they were created with: create the cable in the new shape, or "
                 "set initialCoordinates."
@@ -380,12 +385,11 @@ def _supports(
     links: list[Link] = []
     for k in np.flatnonzero(flags[: len(item.nodes)].any(axis=(1, 2))).tolist():
         node = item.nodes[k]
-        fixed[k] = supports_of_flags(f"node {node} of cable '{name}'", flags[k], reference[k])
-        if item.cable.stretches and fixed[k, 1] and not flags[k, 1].all():  # it may stretch along the slope
-            fixed[k, 1] = False
-            links += prescribed(k, rest(reference[k, 1]), np.flatnonzero(flags[k, 1]).tolist(), of_slope=True)
-        if not fixed[k, 0]:
-            links += prescribed(k, rest(reference[k, 0]), np.flatnonzero(flags[k, 0]).tolist())
+        described_node = f"node {node} of cable '{name}'"
+        fixed[k] = supports_of_flags(described_node, flags[k], reference[k], item.cable.stretches)
+        for j in np.flatnonzero(~fixed[k]).tolist():
+            axes = np.flatnonzero(flags[k, j]).tolist()
+            links += prescribed(k, rest(reference[k, j]), axes, of_slope=j == 1)
     if item.cable.closed:
         fixed[-1] = fixed[0]
     return fixed, links

@@ -166,9 +166,9 @@ def CreateInextensibleCable(
     for place, node in shared.items():
         node.require_meeting(cable.reference[place], checked.v[place, :, :dim], cable.length)
     held = np.zeros(cable.reference.shape, dtype=bool)
-    held[0] = _constraint_flags("groundConstraintsStart", groundConstraintsStart, cable.reference[0])
+    held[0] = _constraint_flags("groundConstraintsStart", groundConstraintsStart, cable, 0)
     if not checked.closed:
-        held[-1] = _constraint_flags("groundConstraintsEnd", groundConstraintsEnd, cable.reference[-1])
+        held[-1] = _constraint_flags("groundConstraintsEnd", groundConstraintsEnd, cable, -1)
     functions = user_forces_of(beamTemplate, template, dim)
     warn_of_units(cable, gravity_vector)
     item, made = _add_items(mbs, cable, checked.v[:, :, :dim], gravity_vector[:dim], held, way, shared)
@@ -258,8 +258,9 @@ def _dimension(stated: int | None, shape: CheckedShape, gravity: Array) -> int:
     return int(stated)
 
 
-def _constraint_flags(name: str, given: list | None, node: Array) -> np.ndarray:
-    """(2, dim) flags of the coordinates; see `supports_of_flags`."""
+def _constraint_flags(name: str, given: list | None, cable: Cable, place: int) -> np.ndarray:
+    """(2, dim) flags of the coordinates of its node there; see `supports_of_flags`."""
+    node = cable.reference[place]
     if given is None:
         return np.zeros(node.shape, dtype=bool)
     is_list = isinstance(given, list | tuple) or (isinstance(given, np.ndarray) and given.ndim > 0)
@@ -270,32 +271,35 @@ def _constraint_flags(name: str, given: list | None, node: Array) -> np.ndarray:
             f"{node.shape[1]}D node. {_OTHER_DIMENSION[node.shape[1]]}"
         )
     of_node: np.ndarray = np.reshape(flags, node.shape)
-    supports_of_flags(name, of_node, node)
+    supports_of_flags(name, of_node, node, cable.stretches)
     return of_node
 
 
-def supports_of_flags(name: str, flags: np.ndarray, node: Array) -> tuple[bool, bool]:
+def supports_of_flags(name: str, flags: np.ndarray, node: Array, stretches: bool) -> tuple[bool, bool]:
     """Whether position and slope of a node are held, from the flags of its coordinates.
 
-    A unit slope is held as soon as all components transverse to it are. A position of which only some
-    coordinates are held does not count.
+    One of which only some coordinates are held does not count. A unit slope that keeps its length is held as
+    soon as all components transverse to it are.
 
     Args:
         name: culprit for messages.
         flags: (2, dim) constrained coordinates.
         node: (2, dim) reference position and slope.
+        stretches: whether the cable does.
 
     Raises:
-        InputError: only a part of the slopes is held.
+        InputError: only a part of the slopes is held, and these keep their lengths.
     """
     position = bool(flags[0].all())
+    if stretches:
+        return position, bool(flags[1].all())
     released = node[1][~flags[1]]
     tangent_only = len(released) == 1 and abs(abs(released[0]) - 1.0) < 1e-12
     slope = bool(flags[1].all() or tangent_only)
     if flags[1].any() != slope:
         raise InputError(
             f"{name} holds the coordinates {flags.astype(int).tolist()} ([positions], [slopes]): hold all or "
-            "no slopes (the component along the cable may be left out). "
+            "no slopes (the component along the cable may be left out), or let the cable stretch. "
             f"{_OTHER_DIMENSION[flags.shape[1]]}"
         )
     return position, slope

@@ -174,13 +174,19 @@ def test_random_scenes_of_native_cables_move_as_those_that_were_created(solve, s
     assert np.abs(paths - paths[0]).max() > 0.1
 
 
-@pytest.mark.parametrize("dim", [2, 3])
-def test_it_moves_as_the_native_elements_do(new_mbs, solve, dim):
+HINGE, SLIDE = [1, 1, 1, 0, 0, 1], [0, 0, 1, 0, 0, 1]  # about z, and in the plane across it
+
+
+@pytest.mark.parametrize(("dim", "start"), [(2, None), (3, None), (3, HINGE), (3, SLIDE)])
+def test_it_moves_as_the_native_elements_do(new_mbs, solve, dim, start):
     found = []
     for replaced in (True, False):
         mbs = new_mbs()
-        cable = GenerateBeamElementsAlongLine(mbs, **line(dim, elements=12))
+        supports = {"groundConstraintsStart": start} if start else {}
+        cable = GenerateBeamElementsAlongLine(mbs, **line(dim, elements=12) | supports)
         (tip,) = watched(mbs, cable["nodes"][-1])
+        end = mbs.AddMarker(MarkerNodePosition(nodeNumber=cable["nodes"][-1]))
+        mbs.AddLoad(LoadForceVector(markerNumber=end, loadVector=[0.0, 0.0, 0.3 if start else 0.0]))
         if replaced:
             ReplaceNativeCables(mbs)
         mbs.Assemble()
@@ -325,6 +331,19 @@ def test_properties_of_elements_that_are_set_later_are_refused(mbs, solve, name,
             solve(mbs, 0.1, steps=10)
         mbs.SetPreStepUserFunction(0)
     mbs.SetObjectParameter(element, name, before)
+    assert solve(mbs, 0.1, steps=10)["success"]
+
+
+def test_places_of_nodes_that_are_set_after_assembly_are_refused(mbs, solve):
+    made = GenerateBeamElementsAlongLine(mbs, **line())
+    ReplaceNativeCables(mbs)
+    mbs.Assemble()
+    node = int(made["nodes"][2])
+    before = mbs.GetNodeParameter(node, "referenceCoordinates")
+    mbs.SetNodeParameter(node, "referenceCoordinates", [0.3, 0.05, 1.0, 0.0])  # native elements have it now
+    with pytest.raises(SceneError, match=f"referenceCoordinates of node {node} .* were changed by 0.05"):
+        solve(mbs)
+    mbs.SetNodeParameter(node, "referenceCoordinates", before)
     assert solve(mbs, 0.1, steps=10)["success"]
 
 
