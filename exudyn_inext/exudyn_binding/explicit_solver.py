@@ -27,6 +27,7 @@ from .restart import Restarts
 from .scene import read_scene, require_assembled
 from .scene_runs import RunBuilder, bounds_if_scaled
 from .sensors import observed_derivatives, warn_of_empty_sensors
+from .unseen_outputs import warn_of_unseen_outputs
 from .stepping_loop import Portion, SteppingLoop
 from .time_loop import refuse_newton_functions, warn_of_findings
 
@@ -182,6 +183,7 @@ class ExplicitSolver(_NativeSolver):
             reader = SteppedReader(mbs, stack.enter_context(at_position_level(mbs, start)))
             scene = read_scene(mbs, reader)
             warn_of_empty_sensors(mbs, sensors, scene.enforcing)
+            warn_of_unseen_outputs(mbs, scene, sensors)
             builder = RunBuilder(mbs, log.changed.keys(), explicit, scaling, stack)
             runs = builder.build(scene, start)
             scaled = bounds_if_scaled(mbs, scene, start, explicit.stepSize or 0.0, explicit)

@@ -38,7 +38,7 @@ _OF_VELOCITIES = {
 }
 _FORCE_SENSOR = "CreateCableForceSensor for tension and bending moment"
 _ENERGY_SENSOR = "CreateCableEnergySensor for both energies of the cable"
-_WITHOUT_COMPANIONS = {  # outputs that are zero there, and what measures them
+WITHOUT_COMPANIONS = {  # outputs that are zero there, and what measures them
     _Type.ForceLocal: _FORCE_SENSOR,
     _Type.TorqueLocal: _FORCE_SENSOR,
     _Type.KineticEnergy: _ENERGY_SENSOR,
@@ -168,7 +168,7 @@ def warn_of_empty_sensors(mbs: Any, sensors: Sequence[Any], enforcing: Collectio
             empty[output].append(f"sensor {number} '{sensor['name']}' measures {output} of {why}: it is zero")
     for output, (first, *others) in empty.items():
         more = f", as are {len(others)} other sensors" if others else ""
-        instead = _WITHOUT_COMPANIONS.get(output, _FORCE_SENSOR)
+        instead = WITHOUT_COMPANIONS.get(output, _FORCE_SENSOR)
         warnings.warn(f"{first}{more}. Use {instead}.", stacklevel=3)
 
 
@@ -176,7 +176,7 @@ def _emptiness(mbs: Any, sensor: dict[str, Any], enforcing: Collection[int]) -> 
     kind, output = sensor["sensorType"], sensor.get("outputVariableType")
     if (
         kind == "Body"
-        and output in _WITHOUT_COMPANIONS
+        and output in WITHOUT_COMPANIONS
         and is_inert_cable(mbs.GetObject(sensor["bodyNumber"]))
     ):
         return f"object {int(sensor['bodyNumber'])}, a companion without mass and stiffness"

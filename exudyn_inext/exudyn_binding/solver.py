@@ -43,6 +43,7 @@ from .time_loop import (
     warn_of_findings,
     worst_figures,
 )
+from .unseen_outputs import warn_of_unseen_outputs
 from .wave_check import share_of_waves, warn_of_waves
 
 
@@ -185,6 +186,7 @@ def _solve(
     scene = read_scene(mbs, reader)
     sensors = [mbs.GetSensor(number) for number in range(mbs.systemData.NumberOfSensors())]
     warn_of_empty_sensors(mbs, sensors, scene.enforcing)
+    warn_of_unseen_outputs(mbs, scene, sensors)
     require_writable_outputs(settings, sensors)
     start = float(settings.timeIntegration.startTime)
     restarts = Restarts(mbs, settings, explicit)

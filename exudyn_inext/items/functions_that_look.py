@@ -111,6 +111,19 @@ def look_of(function: Any, mbs: Any, may_set: bool = True) -> Look:
     return Look.SENSORS if _SENSOR in reached.names and not reached.asks_for_motion() else Look.MOTION
 
 
+def names_read_by(function: Any, mbs: Any) -> set[str]:
+    """Names of attributes, and of output variables, that a function reads, as far as its code shows.
+
+    Also of the output variables of sensors that it asks.
+    """
+    reached = _Reached(mbs)
+    reached.is_known(function)
+    reached.has_known_names()
+    return reached.names | {
+        one["outputVariableType"].name for one in reached.asked_sensors() or () if "outputVariableType" in one
+    }
+
+
 def may_change_anything(function: Any, mbs: Any) -> bool:
     """Whether a function may set or store what others read, as far as its code shows."""
     reached = _Reached(mbs)
@@ -151,11 +164,17 @@ class _Reached:
 
     def asks_for_motion(self) -> bool:
         """Whether all sensors that are asked for values are known, and show places and velocities."""
+        shown = self.asked_sensors()
+        return shown is not None and all(
+            one["sensorType"] in _OF_POINTS and one["outputVariableType"] in _TYPES for one in shown
+        )
+
+    def asked_sensors(self) -> list[dict[str, Any]] | None:
+        """Data of sensors that are asked for values; None: one of them is not known."""
         number = self._mbs.systemData.NumberOfSensors()
         if any(one is None or not 0 <= int(one) < number for one in self._sensors):
-            return False
-        shown = [self._mbs.GetSensor(int(one)) for one in self._sensors]
-        return all(one["sensorType"] in _OF_POINTS and one["outputVariableType"] in _TYPES for one in shown)
+            return None
+        return [self._mbs.GetSensor(int(one)) for one in self._sensors]
 
     def is_known(self, value: Any) -> bool:
         """Whether a value is, as far as it does not depend on attributes."""
@@ -174,25 +193,30 @@ class _Reached:
         if _is_of_user(type(value)):
             self._objects.append(value)
             return all(map(self.is_known, _called_unnamed(type(value))))
-        if package_of(type(value)) == "exudyn" and not isinstance(value, exudyn.OutputVariableType):
+        if isinstance(value, exudyn.OutputVariableType):
+            self.names.add(value.name)
+        elif package_of(type(value)) == "exudyn":
             self._of_exudyn.update(dir(value))
         return _is_plain(value)
 
     def _is_known_function(self, function: FunctionType) -> bool:
         outer = known_to(function)
         given = [*(function.__defaults__ or ()), *(function.__kwdefaults__ or {}).values()]
-        if outer is None or not all(map(self.is_known, given)):
+        if outer is None:
             return False
+        known = [self.is_known(one) for one in given]
         for code in all_codes(function.__code__):
             self._sensors += _asked_sensors(code, outer if code is function.__code__ else {})
-        return all(self._is_known_code(code, outer) for code in all_codes(function.__code__))
+            known.append(self._is_known_code(code, outer))  # looks at all of it, for the names
+        return all(known)
 
     def _is_known_code(self, code: CodeType, outer: dict[str, Any]) -> bool:
         named = [i for i in dis.get_instructions(code) if i.opcode in dis.hasname]
         self.names.update(i.argval for i in named if i.opname not in _GLOBAL)
         self.stores |= looked_at(code).stores or looked_at(code).is_open
         read = {i.argval for i in named if i.opname in _GLOBAL}.union(code.co_freevars) & outer.keys()
-        return not read & _OPEN and all(self.is_known(outer[name]) for name in read)
+        known = [self.is_known(outer[name]) for name in read]
+        return not read & _OPEN and all(known)
 
 
 def _asked_sensors(code: CodeType, outer: dict[str, Any]) -> Iterator[Any]:
