@@ -27,9 +27,9 @@ from .restart import Restarts
 from .scene import read_scene, require_assembled
 from .scene_runs import RunBuilder, bounds_if_scaled
 from .sensors import observed_derivatives, warn_of_empty_sensors
-from .unseen_outputs import warn_of_unseen_outputs
 from .stepping_loop import Portion, SteppingLoop
 from .time_loop import refuse_newton_functions, warn_of_findings
+from .unseen_outputs import warn_of_unseen_outputs
 
 _NativeSolver: Any = exudyn.MainSolverImplicitSecondOrder
 

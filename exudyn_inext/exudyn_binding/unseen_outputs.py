@@ -1,4 +1,4 @@
-"""Outputs that user functions read of replaced elements and their nodes, but that are not as in native runs."""
+"""Outputs of replaced elements and their nodes that user functions read, and that are not as natively."""
 
 import warnings
 from collections.abc import Iterator, Sequence
@@ -38,8 +38,8 @@ def warn_of_unseen_outputs(mbs: Any, scene: Scene, sensors: Sequence[dict[str, A
         _warn_of_section_forces(name, names)
         if read := names & _OF_ACCELERATION:
             warnings.warn(
-                f"the user function of {name} reads {min(read)}, which explicit steps know of the step before "
-                "only: what follows it comes a step late, and runs away if it exceeds what the mass there "
+                f"the user function of {name} reads {min(read)}, which explicit steps know of the step "
+                "before only: what follows it comes a step late, and runs away if it exceeds what the mass there "
                 "takes. Take a mass (AddPointMass) in place of a force that follows the acceleration.",
                 stacklevel=4,
             )
