@@ -295,8 +295,19 @@ def add_sensor_of_cable(
 
     def cable_user_function(mbs, t, sensorNumbers, factors, configuration):
         this = cable_user_function
-        return values(this.keeper.evaluator(mbs, number, t, this), mbs)
+        if this.is_asked:
+            raise SceneError(
+                f"a user function of a load or an object asks for forces of the cable of object {number}, "
+                "which follow from what it returns: let a step function (mbs.SetPreStepUserFunction) read "
+                "that sensor, and set the load or the object."
+            )
+        this.is_asked = True
+        try:
+            return values(this.keeper.evaluator(mbs, number, t, this), mbs)
+        finally:
+            this.is_asked = False
 
+    cable_user_function.is_asked = False  # type: ignore[attr-defined]
     cable_user_function.onlyLooks = True  # type: ignore[attr-defined]
     cable_user_function.keeper = _Keeper()  # type: ignore[attr-defined]
     return int(

@@ -39,8 +39,8 @@ def warn_of_unseen_outputs(mbs: Any, scene: Scene, sensors: Sequence[dict[str, A
         if read := names & _OF_ACCELERATION:
             warnings.warn(
                 f"the user function of {name} reads {min(read)}, which explicit steps know of the step "
-                "before only: what follows it comes a step late, and runs away if it exceeds what the mass there "
-                "takes. Take a mass (AddPointMass) in place of a force that follows the acceleration.",
+                "before only: what follows it comes a step late, and runs away if it exceeds what the mass "
+                "there takes. Take a mass (AddPointMass) in place of a force that follows the acceleration.",
                 stacklevel=4,
             )
 

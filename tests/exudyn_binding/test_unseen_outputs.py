@@ -135,3 +135,18 @@ def test_functions_that_read_the_motion_are_not(new_mbs, solve):
     pendulum.steer(pendulum.speed)
     ReplaceNativeCables(pendulum.mbs)
     assert said_of(solve, pendulum.mbs) == []
+
+
+def test_loads_that_ask_for_section_forces_are_refused(new_mbs, solve):
+    mbs = new_mbs()
+    asked = {}
+
+    def follow(mbs, t, load):
+        return [0, -5.0 * float(mbs.GetSensorValues(asked["moment"])[1]), 0]
+
+    Pendulum(mbs, loadVectorUserFunction=follow)
+    (cable,) = ReplaceNativeCables(mbs)
+    asked["moment"] = CreateCableForceSensor(mbs, cable, PLACE)
+    mbs.Assemble()
+    with pytest.raises(exudyn.ModelError, match="which follow from what it returns: let a step"):
+        solve(mbs, 0.01, steps=10)
