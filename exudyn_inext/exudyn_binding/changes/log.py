@@ -23,7 +23,7 @@ from ...items.parameters import KINDS, Parameter
 _CONNECTIONS = {"nodeNumber", "nodeNumbers", "bodyNumber", "objectNumber", "markerNumbers"}
 _SETTERS = {f"Set{kind}Parameter": kind for kind in KINDS}
 _FUNCTION = "function"  # in place of one, which a file cannot hold
-_REMEDY = "build all items before the run, and switch them by activeConnector"
+_REMEDY = "build all items before the run, and switch them by activeConnector, loads by markerNumber"
 _SENSOR = "GetSensorValues"
 _NUMBERS = float, int
 _OF_MBS = (
@@ -161,10 +161,7 @@ class ChangeLog:
 
     def _require_possible(self, key: Parameter) -> None:
         if key.name in _CONNECTIONS or self._is_reference(key):
-            self.refuse(
-                f"{key} was to be changed",
-                "build all items before the run, and use activeConnector to switch",
-            )
+            self.refuse(f"{key} was to be changed", _REMEDY)
         if key.kind == "Object" and find_cable_item(self.mbs.GetObject(key.number)) is not None:
             self.refuse(f"{key}, an inextensible cable, was to be changed", "use loads and connectors")
         if key.name == "velocityLevel":
