@@ -29,6 +29,7 @@ from ..loads.weight import ElementWeight
 from ..run.load_functions import Asked, LoadFunctions
 from ..scene.links import MovingCoordinate, Rod, links_of_motions
 from ..scene.model import CableInScene, CableItem, CableLoad, HeldCoordinate, Reaction, Scene
+from .shared_nodes import shared_coordinates
 
 _HARMLESS = {"Ground"}
 _MATRICES = ("massMatrix", "stiffnessMatrix", "dampingMatrix")  # of ObjectGenericODE2
@@ -414,8 +415,6 @@ def _share_velocities(mbs: Any, item: CableItem, q: np.ndarray, v: np.ndarray) -
 
     q, v: (n,) displacements, and velocities in place, of the whole system.
     """
-    for pair in item.shared.items():
-        own, shared = (mbs.systemData.GetNodeLTGODE2(node) for node in pair)
-        references = [mbs.GetNodeParameter(node, "referenceCoordinates") for node in pair]
-        if np.allclose(q[own] + references[0], q[shared] + references[1], rtol=0.0, atol=COINCIDENT):
-            v[own] = v[shared]
+    for node in shared_coordinates(mbs, [item]):
+        if np.allclose(q[node.own], q[node.shared] + node.offset, rtol=0.0, atol=COINCIDENT):
+            v[node.own] = v[node.shared]

@@ -23,6 +23,7 @@ from .kept_states import KeptStates
 from .mbs_state import INITIAL, LastSteps, last_step
 from .restart import Restarts
 from .sensors import ACCELERATIONS, VELOCITIES, OutputTimes
+from .shared_nodes import share_changes, shared_coordinates
 
 LOOK_AHEAD_LIMIT = 1_000_000  # coordinates times steps in a call: some 30 ms, so that Ctrl-C works
 HANDED_OUT = 64  # states that are turned into Python numbers at once
@@ -77,6 +78,7 @@ class ExplicitTimeLoop:
         self._only_items_ask = self._is_watched and not step_functions(mbs)
         self._contacts = contacts_in_view(mbs, runs) if self._is_watched or has_sensor_functions(mbs) else []
         self._written = self._present(INITIAL)
+        self._shared = shared_coordinates(mbs, [one.item for one in changes.scene.cables])
         self._observed = max(observed, VELOCITIES) if self._is_watched else observed
         self._shows_forces = self._sees_forces = observed == ACCELERATIONS
         self.restarts = restarts
@@ -528,6 +530,7 @@ class ExplicitTimeLoop:
         self._withdraw()
         self._is_changed = True
         q, v, first_order = present
+        share_changes(self._shared, (q, v), self._written[:2])
         for run in self.runs:
             number = len(run.indices)
             run.state.q[:number] = q[run.indices] + run.reference

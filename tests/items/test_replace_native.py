@@ -269,6 +269,40 @@ def test_initial_states_of_nodes_stay_also_where_cables_share_one(mbs):
     assert [*map(int, second["nodes"])] == [*map(int, nodes[1:])]
 
 
+@pytest.mark.parametrize("by_nodes", [True, False])
+def test_velocities_that_step_functions_set_hold_where_cables_share_a_node(new_mbs, solve, by_nodes):
+    found = []
+    for replaced in (True, False):
+        mbs = new_mbs()
+        first = GenerateBeamElementsAlongLine(mbs, **line(elements=8, end=0.5))
+        onwards = line(start=0.5, elements=8, pinned=False, nodeNumberStart=first["nodes"][-1])
+        second = GenerateBeamElementsAlongLine(mbs, **onwards | {"beamTemplate": template(section=THIN)})
+        nodes = [int(node) for node in (*first["nodes"], *second["nodes"][1:])]
+
+        def slow_down(mbs, t, nodes=nodes):
+            if abs(t - 0.1) < 1e-9:
+                v = mbs.systemData.GetODE2Coordinates_t()
+                places = [mbs.systemData.GetNodeLTGODE2(node) for node in nodes] if by_nodes else slice(None)
+                v[places] *= 0.2
+                mbs.systemData.SetODE2Coordinates_t(v)
+            return True
+
+        mbs.SetPreStepUserFunction(slow_down)
+        (tip,) = watched(mbs, nodes[-1])
+        if replaced:
+            ReplaceNativeCables(mbs)
+        mbs.Assemble()
+        settings = quiet_settings(0.3, 300 if replaced else 3000, 0.05)
+        if replaced:
+            solve(mbs, settings=settings)
+        else:
+            with silence():
+                mbs.SolveDynamic(settings)
+        found.append(trajectory(mbs, tip)[:, 1:])
+    np.testing.assert_allclose(found[0], found[1], atol=1e-3)  # of 0.3 m
+    assert np.abs(found[1]).max() > 0.2
+
+
 def test_statics_and_section_forces_know_the_cables(mbs):
     hanging = line() | {"positionEnd": [0, -1, 0]}
     GenerateBeamElementsAlongLine(mbs, **hanging)
