@@ -847,6 +847,23 @@ def test_what_a_run_cannot_follow_is_refused_with_the_state_before(change, besid
     )
 
 
+@pytest.mark.parametrize("time", [0.1, 0.2])
+def test_refusals_that_a_step_function_catches_end_the_run(time):
+    model = Model(False)
+
+    def step_user_function(mbs, t):
+        if abs(t - time) < 1e-9:
+            with suppress(Exception):
+                change_nodes(model)
+        return True
+
+    model.mbs.SetPreStepUserFunction(step_user_function)
+    with pytest.raises(SceneError, match=rf"in the step to t = {time} s, 'nodeNumbers' of object"):
+        model.run(0.2, 1e-3)
+    model.mbs.SetPreStepUserFunction(lambda mbs, t: True)
+    assert model.run_again(quiet_settings(0.2, 200))["success"]
+
+
 def test_a_change_while_steps_are_computed_ahead_is_refused():
     """By a sensor, say: nobody would look at it."""
     model = Model(False)

@@ -63,7 +63,12 @@ class ChangeFollower:
         self.limit.h = h
 
     def has_news(self, runs: Sequence[Run], time: float) -> bool:
-        """Whether something has changed since the last step, until `time` [s], or must stop."""
+        """Whether something has changed since the last step, until `time` [s], or must stop.
+
+        Raises:
+            SceneError: a change was refused in that step, which a user function has caught.
+        """
+        self.log.require_none_refused()
         is_due = self.limit.is_due(time)
         return self.log.is_pending or self.moves or self._has_jumped(runs, time) or is_due
 
@@ -118,8 +123,9 @@ class ChangeFollower:
         """At the end: mbs must contain what the runs have moved.
 
         Raises:
-            SceneError: it does not.
+            SceneError: it does not, or a change was refused.
         """
+        self.log.require_none_refused()
         if self.log.is_pending:  # after the last step
             return
         time = self.mbs.systemData.GetTime()

@@ -37,7 +37,7 @@ class ChangeLog:
 
     changed: parameters that have been set to another value, and when the last one was taken [s].
     before: values of what was taken last, before it was set.
-    refusal: what was raised by the last call that a run cannot follow; that call was not made.
+    refusal: what was raised by the last call that a run cannot follow, which was not made; or None.
     is_followed: whether the run looks at changes between its steps; if not, they are refused.
     is_idle: whether no step is being taken, so that any call may be made.
     has_jumped: whether something was set then, since somebody has reset this.
@@ -56,7 +56,7 @@ class ChangeLog:
         self.mbs = mbs
         self.changed: dict[Parameter, float] = {}
         self.before: dict[Parameter, Any] = {}
-        self.refusal: SceneError = SceneError("")
+        self.refusal: SceneError | None = None
         self._known: dict[Parameter, Any] = {}  # values when the log was taken last
         self._set: dict[Parameter, Any] = {}  # present values of what has been set since then; None: ask mbs
         self._waiting: dict[Parameter, Any] = {}  # values to be set, see `restore`
@@ -185,8 +185,12 @@ class ChangeLog:
 
     def refused(self, error: Exception) -> bool:
         """Whether an error of Exudyn is what was made of a refusal."""
-        said = str(self.refusal)
-        return bool(said) and said in str(error)
+        return self.refusal is not None and str(self.refusal) in str(error)
+
+    def require_none_refused(self) -> None:
+        """Raise once more what was raised by a call, if a user function caught it: the call was not made."""
+        if self.refusal is not None:
+            raise self.refusal
 
     def refuse(self, what: str, remedy: str) -> None:
         """Raise SceneError; between steps, remember that the run is not valid any more."""
