@@ -41,8 +41,10 @@ from .mbs_state import at_start
 from .reports import StaticReport
 from .scene import assemble, initial_states, read_scene
 from .scene_runs import needs_coupling
+from .sensors import warn_of_empty_sensors
 from .spans import spans_of
 from .stretch_check import stretch_of, warn_of_worst
+from .unseen_outputs import warn_of_unseen_outputs
 
 REACH_TOLERANCE = 1e-9
 TAUT = 1.0 - 1e-6  # distance of supports over the reach of the cable between them
@@ -171,6 +173,9 @@ def SolveEquilibrium(
     take_word(mbs, static.dependsOnTimeOnly)
     time = require_finite("timeIntegration.startTime", settings.timeIntegration.startTime, "s")
     with scene_of(mbs, time, "mbs.SolveStatic") as scene:
+        sensors = [mbs.GetSensor(number) for number in range(mbs.systemData.NumberOfSensors())]
+        warn_of_empty_sensors(mbs, sensors, scene.enforcing)
+        warn_of_unseen_outputs(mbs, scene, sensors, at_rest=True)
         solve = _solve_scene if needs_coupling(scene) else _solve_cables
         report = solve(mbs, scene, time, static)
     if simulationSettings is not None:

@@ -21,13 +21,16 @@ _OF_ACCELERATION = {
 _INSTEAD = {kind.name: sensor for kind, sensor in WITHOUT_COMPANIONS.items()}
 
 
-def warn_of_unseen_outputs(mbs: Any, scene: Scene, sensors: Sequence[dict[str, Any]]) -> None:
+def warn_of_unseen_outputs(
+    mbs: Any, scene: Scene, sensors: Sequence[dict[str, Any]], at_rest: bool = False
+) -> None:
     """Warn of user functions that read section forces, or accelerations within steps, of replaced elements.
 
     As far as their code shows.
 
     Args:
         mbs: the system.   scene: of it.   sensors: data of all of its sensors.
+        at_rest: whether no steps are taken: accelerations are zero then.
     """
     if not any(one.item.replaced for one in scene.cables):
         return
@@ -36,7 +39,7 @@ def warn_of_unseen_outputs(mbs: Any, scene: Scene, sensors: Sequence[dict[str, A
     for name, function in _within_steps(mbs):
         names = names_read_by(function, mbs)
         _warn_of_section_forces(name, names)
-        if read := names & _OF_ACCELERATION:
+        if not at_rest and (read := names & _OF_ACCELERATION):
             warnings.warn(
                 f"the user function of {name} reads {min(read)}, which explicit steps know of the step "
                 "before only: what follows it comes a step late, and runs away if it exceeds what the mass "

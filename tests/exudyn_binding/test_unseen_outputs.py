@@ -10,12 +10,13 @@ from exudyn.itemInterface import (
     LoadForceVector,
     MarkerNodePosition,
     ObjectANCFCable2D,
+    SensorBody,
     SensorNode,
     SensorUserFunction,
 )
 
-from exudyn_inext import CreateCableForceSensor, ReplaceNativeCables
-from reference_models.model import quiet_settings
+from exudyn_inext import CreateCableForceSensor, ReplaceNativeCables, SolveEquilibrium
+from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import PINNED, solve_native, trajectory
 
 Output = exudyn.OutputVariableType
@@ -109,6 +110,26 @@ def test_functions_of_sensors_that_read_them_are_named(new_mbs, solve, output):
     sensor = "CreateCableForceSensor" if output == "ForceLocal" else "CreateCableEnergySensor"
     assert f"of sensor 1 'sensor1' reads {output} " in said
     assert f"Use {sensor}" in said
+
+
+def test_statics_warn_of_sensors_and_loads_that_see_no_section_forces(new_mbs):
+    mbs = new_mbs()
+    elements = {}
+
+    def follow(mbs, t, load):
+        return [0, float(mbs.GetObjectOutputBody(elements["middle"], Output.TorqueLocal, [0, 0, 0])), 0]
+
+    pendulum = Pendulum(mbs, loadVectorUserFunction=follow)
+    elements["middle"] = pendulum.element
+    place = {"bodyNumber": pendulum.element, "localPosition": [0.03, 0, 0]}
+    mbs.AddSensor(SensorBody(**place, outputVariableType=Output.ForceLocal))
+    ReplaceNativeCables(mbs)
+    mbs.Assemble()
+    with silence(), pytest.warns(UserWarning) as caught:
+        SolveEquilibrium(mbs)
+    of_sensor, of_load = (str(one.message) for one in caught)
+    assert "sensor 1 'sensor1' measures OutputVariableType.ForceLocal of object 8" in of_sensor
+    assert "of load 16 'load16' (ForceVector) reads TorqueLocal" in of_load
 
 
 @pytest.mark.parametrize("by_sensor", [True, False])
