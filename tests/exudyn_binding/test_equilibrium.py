@@ -452,3 +452,14 @@ def test_an_end_that_its_weight_folds_back_is_named_with_what_keeps_it_straight(
     ):
         assert place(loaded=False)[1] == pytest.approx(-1.0 + 0.255 / 8, abs=1e-4)
     np.testing.assert_allclose(place(loaded=True), [0, -1, 0], atol=1e-6)
+
+
+def test_a_stiff_chain_that_hangs_straight_leaves_its_unstable_equilibrium(mbs):
+    """Its last slope turns without a stretch: along a straight line it would turn by 1e-4 at most."""
+    limp = InextensibleCable(massPerLength=0.5, bendingStiffness=1e-6, axialStiffness=1e5)
+    ends = {"positionStart": [0, 0, 0], "positionEnd": [0, -1, 0], "numberOfElements": 24}
+    CreateInextensibleCable(mbs, **ends, beamTemplate=limp, gravity=[0, -9.81, 0], groundConstraintsStart=PIN)
+    mbs.Assemble()
+    with pytest.warns(UserWarning, match="folds back at node 24"):
+        report = SolveEquilibrium(mbs)
+    assert report["smallestEigenvalue"] > 1.0
