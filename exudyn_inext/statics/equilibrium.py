@@ -155,7 +155,7 @@ def find_equilibrium(potential: StaticSystem, start: Array, options: StaticOptio
         if following is None:
             break
         q = following
-        if np.abs(q - first).max() > LARGEST_EXCURSION * potential.length:
+        if potential.excursion(q - first) > LARGEST_EXCURSION * potential.length:
             message = "it runs away: its loads are not balanced by anything that holds it"
             break
     is_balanced = residual <= max(1e3 * limit, potential.round_off)
