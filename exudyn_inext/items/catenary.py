@@ -22,7 +22,7 @@ from ..statics.feasible import feasible
 NEARLY_STRAIGHT = 1e-12  # length over distance, less one
 STEEPEST = 1e-6  # horizontal distance over the length of a cable that is not straight
 FAR = 0.25  # of an element: distance of a node from the curve, where elements follow its bend within 0.1
-ROUND_OFF = 1e-11  # of lengths of elements over that of the cable, or 1 m if that is more
+ROUND_OFF = 1e-13  # of lengths of elements over that of the cable
 
 
 def hanging_curve(span: Array, length: float, up: Array, at: Array) -> tuple[Array, Array]:
@@ -74,29 +74,31 @@ def of_constant_length(q: Array, length: float) -> Array:
         InputError: the elements are too long for the bends of the curve.
     """
     number = len(q) - 1
+    size = length / number
     fixed = np.zeros((number + 1, 2), dtype=bool)
     fixed[[0, -1], 0] = True
     dimension = 3 if q[:, :, 2].any() else 2
+    curve = q[:, :, :dimension] * [[1.0 / size], [1.0]]  # in lengths of an element
     cable = Cable(
-        reference=q[:, :, :dimension],
-        element_lengths=np.full(number, length / number),
+        reference=curve,
+        element_lengths=np.ones(number),
         section=Section(1.0, 1.0),
         measure=CurvatureMeasure.SECOND_DERIVATIVE,
         length_constraints=number,
         fixed=fixed,
         straight_lengths=True,
     )
-    tolerance = ROUND_OFF * max(length, 1.0)
-    unloaded = potential_of([cable], np.zeros(cable.reference.size), 0.0)
-    nearest, left = feasible(unloaded, cable.reference, tolerance)
+    tolerance = ROUND_OFF * number
+    unloaded = potential_of([cable], np.zeros(curve.size), 0.0)
+    nearest, left = feasible(unloaded, curve, tolerance)
     if left > tolerance:
         raise InputError(
-            f"numberOfElements = {number}: elements of {length / number:g} m are too long for the bend at "
+            f"numberOfElements = {number}: elements of {size:g} m are too long for the bend at "
             "the lowest point of the cable; use more elements, or move the ends apart."
         )
-    _warn_if_far(float(np.linalg.norm(nearest[:, 0] - q[:, 0, :dimension], axis=1).max()), number, length)
+    _warn_if_far(size * float(np.linalg.norm((nearest - curve)[:, 0], axis=1).max()), number, length)
     nodes = q.copy()
-    nodes[1:-1, 0, :dimension], nodes[:, 1, :dimension] = nearest[1:-1, 0], nearest[:, 1]
+    nodes[1:-1, 0, :dimension], nodes[:, 1, :dimension] = size * nearest[1:-1, 0], nearest[:, 1]
     return nodes
 
 

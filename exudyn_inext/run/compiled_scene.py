@@ -685,4 +685,6 @@ def _dependent(joints: Joints, names: Sequence[str]) -> RedundantConstraintError
         own, size = row_of[begin:end], end - begin
         total[np.ix_(own, own)] += holds.local[first : first + size**2].reshape(size, size)
         begin = end
+    if not np.isfinite(total).all():  # of springs, too, which are no joints
+        return RedundantConstraintError(NOT_FINITE)
     return dependent_rows(np.tril(total)[: joints.holding, : joints.holding], names)

@@ -13,6 +13,7 @@ from ..cable.support_forces import Solved
 from ..errors import DivergenceError, OffCableError, RedundantConstraintError, SceneError
 from ..integrators.integrator import Integrator, remembered
 from ..scene.model import CableInScene
+from ..scene.redundant_rows import NOT_FINITE
 from ..system import accelerate_and_project, index_reduced_rates
 from .cable_loads import CableLoads
 from .cable_run import CableRun, Start
@@ -82,8 +83,7 @@ class CoupledRun(LimitedRun):
             else:
                 self._approach(start.time, end_of_step)
         except RedundantConstraintError as error:
-            straight = held_straight(scene, self.state.q)
-            raise with_straight_cables(error, straight) from None
+            raise self._explained(error) from None
         self.mover.compile_steps(start.time)
         self._fastest = np.zeros((2, 2, scene.size))
         self._depths = np.zeros((2, scene.native_items.remembered.size))
@@ -93,6 +93,16 @@ class CoupledRun(LimitedRun):
         self.watch = CoupledWatch(self.mover.evaluated, *parts, *method, tolerance)
         if scene.friction.numbers:
             self.watch.after_each_step.append(scene.friction.look)
+
+    def _explained(self, error: RedundantConstraintError) -> RedundantConstraintError:
+        """What is said of joints at the start, or of a cable whose own constraints leave no number there."""
+        if NOT_FINITE in str(error):
+            try:
+                for run in self._runs:
+                    run.require_independence()
+            except RedundantConstraintError as own:
+                return own
+        return with_straight_cables(error, held_straight(self._scene, self.state.q))
 
     def _move_by(self, mover: MovedByKernels | MovedByExudyn) -> None:
         self.mover: MovedByKernels | MovedByExudyn = mover

@@ -317,8 +317,8 @@ def _finite_frequency(run: Run, start: float) -> float:
     """Largest frequency [rad/s] at the start; SceneError if it is no number."""
     frequency = run.largest_frequency(start)
     if not (math.isfinite(frequency) and math.isfinite(run.damping_ratio(frequency))):
-        if isinstance(run, CableRun):
-            run.require_independence()
+        for cable in run.cable_runs:
+            cable.require_independence()
         raise SceneError(
             f"the largest frequency of {run.name} at the start, {frequency:g} rad/s, or its damping is no "
             "finite number: check the units of sections, lengths, velocities, masses and loads, and what "

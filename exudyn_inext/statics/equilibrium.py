@@ -155,7 +155,7 @@ def find_equilibrium(potential: StaticSystem, start: Array, options: StaticOptio
         if following is None:
             break
         q = following
-        if np.abs(q - first).max() > LARGEST_EXCURSION * potential.length:
+        if potential.excursion(q - first) > LARGEST_EXCURSION * potential.length:
             message = "it runs away: its loads are not balanced by anything that holds it"
             break
     is_balanced = residual <= max(1e3 * limit, potential.round_off)
@@ -174,13 +174,10 @@ def _escape(
     if not eigenvalue < potential.indifferent:
         return None
     direction = worst / max(potential.turn(worst.reshape(q.shape)), 1e-300)
-    for follow in (straight, followed):
-        trials = []
-        for size in (sign * turn for turn in ESCAPES for sign in (1.0, -1.0)):
-            trial, left = follow(potential, q, size * direction.reshape(q.shape), options.feasibility)
-            if left <= 1e3 * options.feasibility and not potential.is_blocked(q, trial):
-                trials.append((potential.fall(q, trial), trial))
-        fall, best = max(trials, key=lambda pair: pair[0], default=(0.0, q))
-        if fall > 0.0:
-            return best
-    return None
+    trials = []
+    for size in (sign * turn for turn in ESCAPES for sign in (1.0, -1.0)):
+        trial, left = followed(potential, q, size * direction.reshape(q.shape), options.feasibility)
+        if left <= 1e3 * options.feasibility and not potential.is_blocked(q, trial):
+            trials.append((potential.fall(q, trial), trial))
+    fall, best = max(trials, key=lambda pair: pair[0], default=(0.0, q))
+    return best if fall > 0.0 else None

@@ -133,6 +133,9 @@ class JoinedPotential(StaticSystem):
         of_cables = [cable.turn(own) for cable, own in self._parts(step)]
         return max(*of_cables, float(np.abs(step[self._others.turning]).max(initial=0.0)))
 
+    def excursion(self, step: Array) -> float:
+        return float(np.abs(step / self._scale).max())
+
     def bowed(self, q: Array) -> Array:
         return np.concatenate([*(cable.bowed(own).ravel() for cable, own in self._parts(q)), q[self._bodies]])
 

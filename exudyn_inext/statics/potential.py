@@ -108,6 +108,10 @@ class Potential(StaticSystem):
         """Largest change of a slope in a step (n, 2, dim)."""
         return float(np.abs(step[:, 1]).max())
 
+    def excursion(self, step: Array) -> float:
+        """[m], slopes times the element length."""
+        return float(np.abs(step.ravel() / self.scale).max())
+
     def force(self, q: Array) -> Array:
         """(n_dof,) elastic and external force."""
         force = self._external.copy()

@@ -43,6 +43,9 @@ class StaticSystem(Protocol):
     def turn(self, step: Array) -> float:
         """Largest change of a slope, and angle of a body, in a step."""
 
+    def excursion(self, step: Array) -> float:
+        """Largest change of a coordinate in a step [m]; slopes and turns count times a length."""
+
     def bowed(self, q: Array) -> Array:
         """q with sagging cables."""
 

@@ -8,11 +8,13 @@ import pytest
 from exudyn.itemInterface import (
     CoordinateConstraint,
     LoadForceVector,
+    MarkerBodyPosition,
     MarkerNodeCoordinate,
     MarkerNodePosition,
     NodePointGround,
     SensorNode,
     SensorObject,
+    SphericalJoint,
 )
 
 from exudyn_inext import (
@@ -452,3 +454,42 @@ def test_an_end_that_its_weight_folds_back_is_named_with_what_keeps_it_straight(
     ):
         assert place(loaded=False)[1] == pytest.approx(-1.0 + 0.255 / 8, abs=1e-4)
     np.testing.assert_allclose(place(loaded=True), [0, -1, 0], atol=1e-6)
+
+
+def test_a_stiff_chain_that_hangs_straight_leaves_its_unstable_equilibrium(mbs):
+    """Its last slope turns without a stretch: along a straight line it would turn by 1e-4 at most."""
+    limp = InextensibleCable(massPerLength=0.5, bendingStiffness=1e-6, axialStiffness=1e5)
+    ends = {"positionStart": [0, 0, 0], "positionEnd": [0, -1, 0], "numberOfElements": 24}
+    CreateInextensibleCable(mbs, **ends, beamTemplate=limp, gravity=[0, -9.81, 0], groundConstraintsStart=PIN)
+    mbs.Assemble()
+    with pytest.warns(UserWarning, match="folds back at node 24"):
+        report = SolveEquilibrium(mbs)
+    assert report["smallestEigenvalue"] > 1.0
+
+
+@pytest.mark.parametrize("length", [1e-3, 1e-2, 1e3])
+@pytest.mark.parametrize("has_mass", [False, True])
+def test_a_cable_of_any_size_swings_down_to_hang(new_mbs, coordinates, length, has_mass):
+    """Slopes turn as far in a cable of 1 mm as in one of 1 m."""
+
+    def places(size):
+        mbs = new_mbs()
+        section = InextensibleCable(massPerLength=0.1 * size**2, bendingStiffness=1e-2 * size**5)
+        start = {"positionStart": [0, 0, 0], "positionEnd": [0.6 * size, 0.8 * size, 0]}
+        hung = {"gravity": [0, -9.81, 0], "groundConstraintsStart": PIN}
+        nodes = CreateInextensibleCable(mbs, **start, numberOfElements=6, beamTemplate=section, **hung)[
+            "nodes"
+        ]
+        if has_mass:
+            mass = mbs.CreateMassPoint(mass=0.1 * size**3, referencePosition=start["positionEnd"])
+            own = mbs.AddMarker(MarkerBodyPosition(bodyNumber=mass))
+            tip = mbs.AddMarker(MarkerNodePosition(nodeNumber=nodes[-1]))
+            mbs.AddObject(SphericalJoint(markerNumbers=[own, tip], constrainedAxes=[1, 1, 0]))
+        mbs.Assemble()
+        with silence():
+            SolveEquilibrium(mbs)
+        kind = exudyn.OutputVariableType.Position
+        return np.array([mbs.GetNodeOutput(node, kind) for node in nodes]) / size
+
+    np.testing.assert_allclose(places(length), places(1.0), atol=1e-8)
+    assert places(length)[-1, 1] == pytest.approx(-1.0)

@@ -8,6 +8,7 @@ import exudyn
 import numpy as np
 import pytest
 from exudyn.itemInterface import (
+    CartesianSpringDamper,
     CoordinateConstraint,
     MarkerBodyPosition,
     MarkerNodeCoordinate,
@@ -50,6 +51,31 @@ def fall(rope, end=END, restart=None, **explicit):
         warnings.simplefilter("ignore")
         report = SolveExplicit(mbs, settings, ExplicitSettings(**explicit))
     return np.array(mbs.GetSensorStoredData(sensor)[:, 1:4]), report
+
+
+def torn(**explicit):
+    """The tip (3,) of a light rope that a spring tears away from its place, after 10 ms."""
+    mbs = exudyn.SystemContainer().AddSystem()
+    light = InextensibleCable(massPerLength=0.015, bendingStiffness=1e-3, axialStiffness=3.6e4)
+    pinned = {"groundConstraintsStart": [True, True, False, False]}
+    nodes = CreateInextensibleCable(mbs, [0, 0, 0], [0.74, -0.575, 0], 9, light, **pinned)["nodes"]
+    tip = mbs.AddMarker(MarkerNodePosition(nodeNumber=nodes[-1]))
+    anchor = MarkerBodyPosition(bodyNumber=mbs.CreateGround(referencePosition=[0, 0.5, 0]))
+    both = {"markerNumbers": [mbs.AddMarker(anchor), tip], "stiffness": [30.0] * 3, "damping": [0.1] * 3}
+    mbs.AddObject(CartesianSpringDamper(**both))
+    mbs.Assemble()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        report = SolveExplicit(mbs, quiet_settings(0.01, 10), ExplicitSettings(**explicit))
+    return mbs.GetNodeOutput(nodes[-1], exudyn.OutputVariableType.Position), report
+
+
+def test_a_spring_that_tears_a_light_rope_away_is_met_with_smaller_steps():
+    """Longer ones leave no number in its force, in a scene without joints."""
+    found, report = torn()
+    expected, fine = torn(stepSize=2e-6)
+    assert report["steps"] < fine["steps"]
+    np.testing.assert_allclose(found, expected, atol=0.02)  # it has moved by 0.66 m
 
 
 @pytest.mark.parametrize("seed", VIOLENT)

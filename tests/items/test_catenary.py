@@ -100,6 +100,18 @@ def test_it_hangs_far_from_the_origin_as_beside_it():
     np.testing.assert_allclose(shape.slopes, beside.slopes, atol=1e-8)
 
 
+@pytest.mark.filterwarnings("ignore:.*do not follow the bend")
+@pytest.mark.parametrize("elements", [8, 64, 65, 256])
+@pytest.mark.parametrize("length", [1e-3, 0.1, 1.0, 1e3])
+def test_it_hangs_in_the_same_shape_at_any_size(length, elements):
+    """Also in a fold that no element resolves, 1e-3 of the length wide."""
+    ends = np.array([[0.0, 0.0], [1e-3, 0.3]])
+    shape = CableShape.Catenary(*(length * ends), length, elements)
+    in_metres = CableShape.Catenary(*ends, 1.0, elements)
+    np.testing.assert_allclose(shape.positions / length, in_metres.positions, rtol=0.0, atol=1e-8)
+    np.testing.assert_allclose(shape.slopes, in_metres.slopes, rtol=0.0, atol=1e-6)
+
+
 def test_a_straight_one_is_a_line():
     shape = CableShape.Catenary([0, 0], [0, -2], 2.0, 4)
     np.testing.assert_allclose(shape.positions[:, 1], [0, -0.5, -1, -1.5, -2])

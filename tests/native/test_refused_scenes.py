@@ -313,6 +313,33 @@ def test_what_holds_a_straight_cable_at_its_own_length_is_redundant(mbs, solve, 
     held(1e5)
 
 
+@pytest.mark.parametrize("bodies", ["beside it", "tied to it"])
+@pytest.mark.parametrize("nodes", [(0, -1), (1, 2)], ids=str)
+def test_a_rod_along_a_straight_cable_is_named_also_among_bodies(new_mbs, solve, nodes, bodies):
+    """Of joints and frequencies it leaves no number; with axialStiffness it may be there."""
+
+    def held(axial):
+        mbs = new_mbs()
+        section = InextensibleCable(massPerLength=0.1, bendingStiffness=1e-3, axialStiffness=axial)
+        pinned = {"groundConstraintsStart": [True, True, False, False]}
+        own = CreateInextensibleCable(mbs, [0, 0, 0], [1, 0, 0], 4, section, **pinned)["nodes"]
+        pair = [mbs.AddMarker(MarkerNodePosition(nodeNumber=own[node])) for node in nodes]
+        apart = 1.0 if nodes[0] == 0 else 0.25
+        mbs.AddObject(DistanceConstraint(markerNumbers=pair, distance=apart))
+        if bodies == "tied to it":
+            tied(mbs, own, position=(1, 0, 0))
+        else:
+            mass_point(mbs)
+        mbs.Assemble()
+        solve(mbs, 1e-3)
+
+    first, last = (range(5)[node] for node in nodes)
+    says = rf"distance constraint at node {first} and {last} of cable .* not independent .*axialStiffness"
+    with pytest.raises(RedundantConstraintError, match=says):
+        held(None)
+    held(1e4)
+
+
 @pytest.mark.parametrize(
     ("load", "vector", "said"),
     [
