@@ -44,7 +44,7 @@ def all_systems(systems: Any, parameters: Iterable[Any] | None) -> list[Callable
             "list of its parameters: "
             + ("parameters are missing." if callable(systems) else "systems is no function.")
         )
-    function, values = (_as_it_is, systems) if parameters is None else (systems, parameters)
+    function, values = (lambda mbs: mbs, systems) if parameters is None else (systems, parameters)
     if not isinstance(values, Iterable) or isinstance(values, str | bytes | dict):
         what = "systems" if parameters is None else "parameters"
         raise InputError(f"{what} = {values!r}: must be a sequence, one entry a member.")
@@ -52,10 +52,6 @@ def all_systems(systems: Any, parameters: Iterable[Any] | None) -> list[Callable
     if not builders:
         raise InputError("the ensemble is empty: give at least one system.")
     return builders
-
-
-def _as_it_is(mbs: Any) -> Any:
-    return mbs
 
 
 def read_members(

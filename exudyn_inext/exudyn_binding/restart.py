@@ -80,14 +80,12 @@ class Restarts:
     @property
     def _evaluated_by(self) -> list[str]:
         """By whom, of each run that is continued."""
-        found: list[str] = self.found.header["evaluatedBy"] if self.found else []
-        return found
+        return self.found.header["evaluatedBy"] if self.found else []
 
     @property
     def _ramps(self) -> list[Any]:
         """Of each run that is continued, see `PacedRun.ramp`."""
-        found: list[Any] = self.found.header["ramps"] if self.found else []
-        return found
+        return self.found.header["ramps"] if self.found else []
 
     @property
     def was_coupled(self) -> bool:

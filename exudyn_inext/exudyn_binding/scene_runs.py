@@ -26,6 +26,8 @@ from .mbs_state import State, at_start, initial_state
 from .scene import initial_states, read_scene, require_assembled
 from .time_loop import refuse_step_functions
 
+MOST_NAMED = 3  # items of a scene, in messages
+
 
 def needs_coupling(scene: Scene) -> bool:
     """Whether there are other items than cables, all moved together by one right-hand side of Exudyn."""
@@ -212,6 +214,6 @@ def bounds_if_scaled(
     return bounds
 
 
-def _shortened(items: Sequence[str], most: int = 3) -> str:
-    rest = f" and {len(items) - most} more" if len(items) > most else ""
-    return ", ".join(items[:most]) + rest if items else "bodies or joints"
+def _shortened(items: Sequence[str]) -> str:
+    rest = f" and {len(items) - MOST_NAMED} more" if len(items) > MOST_NAMED else ""
+    return ", ".join(items[:MOST_NAMED]) + rest if items else "bodies or joints"

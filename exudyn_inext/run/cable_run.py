@@ -505,8 +505,7 @@ class CableRun(PacedRun):
     @cached_property
     def _strains(self) -> Array:
         """(N,) of the elements; memory of the system."""
-        strains: Array = self.system.chain.elements["axial"][:, STRAIN]
-        return strains
+        return self.system.chain.elements["axial"][:, STRAIN]
 
     @cached_property
     def _stiffness_by_mass(self) -> Array:

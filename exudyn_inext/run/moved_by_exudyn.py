@@ -89,24 +89,34 @@ class MovedByExudyn(Mover):
         """Joints that have been moved stay where they are."""
         self._scene.native_items.approach.rest()
 
+    @property
+    def numbers(self) -> "MovedByExudyn":
+        """Itself."""
+        return self
+
     def can_move(self, number: int) -> bool:
-        """Whether the offset of a joint may be set between steps."""
+        """See `KnownNumbers`: here, of any joint."""
         return True
 
+    def has_same_entries(self, number: int) -> bool:
+        """See `KnownNumbers`: here, nothing depends on that."""
+        return True
+
+    def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> None:
+        """See `KnownNumbers`: nobody knows."""
+
     def moves_springs_alone(self, markers: Collection[int], objects: Collection[int]) -> bool:
-        """See `Mover.moves_springs_alone`."""
+        """See `KnownNumbers`."""
         joints = (joint.number for joint in self._scene.joints)
         return not self._scene.mbs.NumberOfGeneralContacts() and set(objects).isdisjoint(joints)
 
     @property
     def follows_contacts(self) -> bool:
-        remembers: bool = self._scene.native_items.remembers
-        return remembers
+        return self._scene.native_items.remembers
 
     @property
     def depths_of_contacts(self) -> Array | None:
-        depths: Array | None = self._scene.native_items.depths_of_contacts
-        return depths
+        return self._scene.native_items.depths_of_contacts
 
     def can_weigh(self, item: ChangedItem) -> bool:
         parts = self._scene.parts_in_one

@@ -1,7 +1,7 @@
 """What both ways to move a coupled scene share: by compiled kernels, or with evaluations of Exudyn."""
 
 from bisect import bisect_left
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from typing import Any
 
@@ -12,7 +12,6 @@ from ..cable.cable import Cable
 from ..compiled import plain
 from ..integrators.integrator import Integrator
 from .cable_run import CableRun
-from .compiled_scene import ChangedItem
 from .joined_scene import EvaluatedScene
 from .ramp import Line
 from .step_control import ROUND_OFF
@@ -102,27 +101,10 @@ class Mover:
         """
         raise NotImplementedError
 
-    def can_weigh(self, item: ChangedItem) -> bool:
-        """Whether a body may get that mass, inertia or centre of mass between steps."""
-        return False
-
-    def has_same_entries(self, number: int) -> bool:
-        """Whether matrices of an object are zero where they were, or nothing depends on that."""
-        return True
-
-    def moves_springs_alone(self, markers: Collection[int], objects: Collection[int]) -> bool:
-        """Whether these markers may get other places as springs and loads do other values.
-
-        objects: that act on the markers.
-        """
-        return False
-
-    def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> set[int] | None:
-        """Those that have to be built as moved ones before these markers may get other places.
-
-        objects: that act on the markers.   None: others act there, too, or they are markers of other kinds.
-        """
-        return None
+    @property
+    def numbers(self) -> Any:
+        """What says which items may be changed between steps, see `KnownNumbers`."""
+        raise NotImplementedError
 
     def settle(self, time: float) -> None:
         """Let what contact and friction remember agree with the state at the start of a run.

@@ -192,8 +192,7 @@ class SteppedReader:
         present = offset if self._step is None else self._displacement(movable.node)[axis]
 
         def place(offset: float) -> Array:
-            at: Array = (reference[axis] + offset) * along
-            return at
+            return (reference[axis] + offset) * along
 
         way = self._aimed(last, place(present), place(offset))
         return replace(movable, motion=way.motion), way, place

@@ -278,8 +278,7 @@ def _rolling_disc(data: dict[str, Any], name: str, reader: PointReader) -> list[
 def _coordinate(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
     joint = _moved_joint(data, name, reader, has_frames=False)
     offset = 0.0 if joint.is_moved else data["offset"]
-    factor = data.get("factor1", data.get("factorValue1", 1.0))
-    return [joint.row(DIFFERENCE, factor=factor, offset=offset, functions=(joint.place(0), -1))]
+    return [joint.row(DIFFERENCE, factor=data["factor1"], offset=offset, functions=(joint.place(0), -1))]
 
 
 def _of_vector(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
