@@ -10,7 +10,7 @@ import exudyn
 import numpy as np
 
 from ..arrays import Array
-from ..errors import InextensibleError, InputError, SceneError
+from ..errors import InextensibleError, InputError
 from ..run.coupled_run import Run
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import StepChoice, choose_step
@@ -99,10 +99,4 @@ def _naming(number: int) -> Iterator[None]:
 def _runs(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> Sequence[Run]:
     if not hasattr(mbs, "systemIsConsistent"):
         raise InputError(f"{mbs!r} is no system of Exudyn (mbs): a builder must return it.")
-    runs = compiled_runs(mbs, time, h, explicit, "SolveEnsemble", "within an ensemble")
-    if not runs:
-        raise SceneError(
-            "it has no inextensible cable: add one with CreateInextensibleCable, or make native elements one "
-            "by ReplaceNativeCables."
-        )
-    return runs
+    return compiled_runs(mbs, time, h, explicit, "SolveEnsemble", "within an ensemble")

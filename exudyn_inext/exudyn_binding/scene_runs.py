@@ -181,14 +181,19 @@ def compiled_runs(
     who: asks.   where: step functions would not be called.
 
     Raises:
-        SceneError: Exudyn has to evaluate items of the scene, or there are step functions.
+        SceneError: Exudyn has to evaluate items of the scene, or there are step functions, or no cables.
     """
     require_assembled(mbs)
     refuse_step_functions(mbs, where)
     take_word(mbs, explicit.dependsOnTimeOnly)
     with at_start(mbs, time), at_position_level(mbs, time):
         scene = read_scene(mbs)
-        if not scene.cables or not needs_coupling(scene):
+        if not scene.cables:
+            raise SceneError(
+                "mbs has no inextensible cable to step: add one with CreateInextensibleCable, make native "
+                "elements one by ReplaceNativeCables, or use SolveExplicit for native items."
+            )
+        if not needs_coupling(scene):
             return runs_of_cables(mbs, scene.cables, time, h, explicit)
         with switched_off(mbs, *scene.evaluated_by_kernels):
             runs: Sequence[Any] = runs_of_scene(mbs, scene, time, h, explicit)

@@ -72,7 +72,9 @@ class CoupledRun(LimitedRun):
         scene.require_finite(self.state.v)
         self.start_correction = StartCorrection()
         try:
-            form, self.why_not = scene.compiled(start.time, self.state.q, self.state.v, self._evaluates_ends)
+            # where each step has one evaluation, at its end, loads may depend on the state there
+            looks_at_ends = self.integrator.stages == (1.0,) and not self.integrator.stabilised
+            form, self.why_not = scene.compiled(start.time, self.state.q, self.state.v, looks_at_ends)
             external = np.zeros(len(form.loads.constant) if form else 1)
             self.state = self.state._replace(external=external)
             given = scene, cable_runs, self.state, method
@@ -134,11 +136,6 @@ class CoupledRun(LimitedRun):
     @property
     def start_corrections(self) -> list[StartCorrection]:
         return [run.start_correction for run in self._runs] + [self.start_correction]
-
-    @property
-    def _evaluates_ends(self) -> bool:
-        """Whether each step has one evaluation, at its end: there, loads may depend on the state."""
-        return self.integrator.stages == (1.0,) and not self.integrator.stabilised
 
     @property
     def completes(self) -> bool:
@@ -525,13 +522,11 @@ class CoupledRun(LimitedRun):
             return self.watch.is_well_at(piece.time(end), piece.h, self.state, is_checked)
         except (DivergenceError, RedundantConstraintError, OffCableError) as error:
             self._unsolvable = "" if isinstance(error, DivergenceError) else str(error)
-            self.watch.give_up(self.state)
-            return False
         except Exception as error:  # Exudyn's, in place of that of a user function
             if "OverflowError" not in str(error):
                 raise
-            self.watch.give_up(self.state)
-            return False
+        self.watch.give_up(self.state)
+        return False
 
     @property
     def finding(self) -> str:  # type: ignore[override]

@@ -78,7 +78,7 @@ class BodiesSystem:
 
     def set_constant(self, blocks: Sequence[MassBlock]) -> None:
         """Blocks whose masses do not depend on the configuration."""
-        inverse = [MassBlock(block.dofs, np.linalg.inv(block.mass)) for block in blocks]
+        inverse = [MassBlock(block.dofs, np.asarray(np.linalg.inv(block.mass), float)) for block in blocks]
         self._constant = _matrix_of_blocks(self._size, inverse)
         self._constant_mass = _matrix_of_blocks(self._size, blocks)
         self._entries = sum(block.mass.size for block in blocks) if self._size > _DENSE else 0

@@ -98,14 +98,8 @@ class SteppedReader:
             if known.way:
                 known.way.rest()
 
-    def aims(self, changed: Mapping[Parameter, Any]) -> bool:
-        """Whether supports, and ends of rods, of cables alone were moved again, whose ways now lead there.
-
-        changed: parameters, with their values.
-        """
-        return all(self._aims(key, value) for key, value in changed.items())
-
-    def _aims(self, key: Parameter, value: Any) -> bool:
+    def aims(self, key: Parameter, value: Any) -> bool:
+        """Whether a support, or ends of rods, of cables alone were moved again, whose ways now lead there."""
         if (key.kind, key.name) == ("Object", "offset"):
             if key.number in self.drives:
                 return True
