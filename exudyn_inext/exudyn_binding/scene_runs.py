@@ -79,12 +79,12 @@ class RunBuilder:
                 changed.update(objects_at(self.mbs, marker))
         held = {number: held for number, held in scene.held.items() if number not in changed}
         scene, explicit = replace(scene, held=held), self.explicit
-        runs = coupled_runs if was_coupled else runs_of_scene
+        given = end, changed, was_coupled
         if state is None:
-            return runs(self.mbs, scene, time, self.scaling, explicit, end, changed)
+            return runs_of_scene(self.mbs, scene, time, self.scaling, explicit, *given)
         with initial_state(self.mbs, state):
             lenient = replace(explicit, startTolerance=LARGEST)
-            return runs(self.mbs, scene, time, self.scaling, lenient, end, changed)
+            return runs_of_scene(self.mbs, scene, time, self.scaling, lenient, *given)
 
 
 def runs_of_cables(
@@ -112,6 +112,7 @@ def runs_of_scene(
     explicit: ExplicitSettings,
     end_of_step: float | None = None,
     moved: Set[int] = frozenset(),
+    is_coupled: bool = False,
 ) -> Sequence[Run]:
     """One run for each cable, or one for cables, bodies and joints together.
 
@@ -120,6 +121,7 @@ def runs_of_scene(
         scene: what it contains.   time: of the start [s].
         h: step that scales the mass [s]; 0 without mass scaling.   explicit: settings.
         end_of_step: see `CoupledRun`.   moved: see `CoupledScene`.
+        is_coupled: whether it needs coupling in any case.
 
     Raises:
         SceneError: nothing moves.
@@ -131,21 +133,8 @@ def runs_of_scene(
         raise InputError(
             f"massScaling = {explicit.massScaling!r}: only inextensible cables have it; set it to zero."
         )
-    if not needs_coupling(scene):
+    if not (is_coupled or needs_coupling(scene)):
         return runs_of_cables(mbs, scene.cables, time, h, explicit, bool(step_functions(mbs)))
-    return coupled_runs(mbs, scene, time, h, explicit, end_of_step, moved)
-
-
-def coupled_runs(
-    mbs: Any,
-    scene: Scene,
-    time: float,
-    h: float,
-    explicit: ExplicitSettings,
-    end_of_step: float | None,
-    moved: Set[int],
-) -> Sequence[Run]:
-    """One run for cables, bodies and joints together; arguments: see `runs_of_scene`."""
     unloaded = [cable.among_others for cable in scene.cables]  # Exudyn evaluates the loads
     runs = runs_of_cables(mbs, unloaded, time, h, explicit)
     cables = [CoupledCable(run.scene_cable, run.system, run.loads) for run in runs]

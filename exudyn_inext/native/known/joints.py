@@ -218,9 +218,10 @@ def _moved_joint(data: dict[str, Any], name: str, reader: PointReader, has_frame
     return replace(joint, is_moved=bool(data[OFFSET_FUNCTIONS[0]]))
 
 
-def _spherical(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+def _same_place(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+    """Of spherical joints, and of planar revolute ones."""
     joint = _joint(data, name, reader, has_frames=False)
-    return [joint.difference(i) for i in range(3)]
+    return [joint.difference(i) for i in range(2 if data["objectType"].endswith("2D") else 3)]
 
 
 def _revolute_z(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
@@ -250,11 +251,6 @@ def _generic(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
     elif len(axes) == 1:
         turns[axes[0]] = joint.across(free[0], free[1])
     return rows + turns
-
-
-def _revolute_2d(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
-    joint = _joint(data, name, reader, has_frames=False)
-    return [joint.difference(i) for i in range(2)]
 
 
 def _prismatic_2d(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
@@ -325,11 +321,11 @@ def _clamp(clamp: Clamp, reader: PointReader) -> list[Any]:
 
 
 _READERS: dict[str, Callable[..., list[Any]]] = {
-    "JointSpherical": _spherical,
+    "JointSpherical": _same_place,
     "JointRevoluteZ": _revolute_z,
     "JointPrismaticX": _prismatic_x,
     "JointGeneric": _generic,
-    "JointRevolute2D": _revolute_2d,
+    "JointRevolute2D": _same_place,
     "JointPrismatic2D": _prismatic_2d,
     "JointRollingDisc": _rolling_disc,
     "ConnectorDistance": _distance,
