@@ -88,11 +88,11 @@ class CableLoads:
 
     @property
     def kept_ramp(self) -> dict[str, list[Any]]:
-        """See `PacedRun.ramp`."""
+        """See `CableRun.ramp`."""
         return {"step": self._ramp.step, "missing": self.pattern[-1].tolist()} if self._ramp else {}
 
     def take_ramp(self, kept: Mapping[str, Any]) -> None:
-        """See `PacedRun.take_ramp`."""
+        """See `CableRun.take_ramp`."""
         if self._ramp:
             self._ramp.begin(*kept.get("step", NO_STEP))
             self.pattern[-1] = kept.get("missing", 0.0)

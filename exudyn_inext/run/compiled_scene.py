@@ -370,13 +370,13 @@ class CompiledScene:
 
     @property
     def ramp(self) -> dict[str, list[Any]]:
-        """See `PacedRun.ramp`."""
+        """See `CableRun.ramp`."""
         ramps, ramp = self.system.items.ramps, self.loads.ramp
         numbers = [own[: ramps.number[0]].tolist() for own in ramps[-4:]]
         return {"step": ramp.step, "numbers": numbers} if ramp and ramps.number[0] else {}
 
     def take_ramp(self, kept: Mapping[str, Any]) -> None:
-        """See `PacedRun.take_ramp`."""
+        """See `CableRun.take_ramp`."""
         ramp, ramps = self.loads.ramp, self.system.items.ramps
         if ramp:
             ramp.begin(*kept.get("step", NO_STEP))

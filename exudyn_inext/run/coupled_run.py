@@ -97,7 +97,7 @@ class CoupledRun(LimitedRun):
             self.watch.after_each_step.append(scene.friction.look)
 
     def _move_by(self, mover: MovedByKernels | MovedByExudyn) -> None:
-        self.mover: MovedByKernels | MovedByExudyn = mover
+        self.mover = mover
         self.looks_ahead, self.elsewhere, self.data = mover.looks_ahead, mover.elsewhere, mover.data
         for name in ("_kept", "_learned"):  # elsewhere is another place now
             self.__dict__.pop(name, None)
@@ -190,7 +190,7 @@ class CoupledRun(LimitedRun):
     ) -> None:
         """Go on from the present state, at `time` [s], with items that were changed.
 
-        changed, line: see `Mover.take_values`.
+        changed, line: see `MovedByExudyn.take_values`.
         is_simple: whether they are loads, springs, masses, and joints that are moved, only.
         """
         if is_simple and self.mover.take_values(changed, line):

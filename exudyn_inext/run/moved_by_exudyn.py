@@ -70,7 +70,7 @@ class MovedByExudyn(Mover):
         return True
 
     def has_jumped(self, time: float) -> bool:
-        """See `Mover.has_jumped`."""
+        """Whether functions of the user have moved joints at once, before the step from `time` [s]."""
         if not self._scene.has_steered_joints:
             return False
         return float(np.abs(self._scene.native_items.present_violations(time, self._state.q)).max()) > JUMP
@@ -91,7 +91,7 @@ class MovedByExudyn(Mover):
 
     @property
     def numbers(self) -> "MovedByExudyn":
-        """Itself."""
+        """What says which items may be changed between steps, see `KnownNumbers`: here, itself."""
         return self
 
     def can_move(self, number: int) -> bool:
@@ -112,10 +112,12 @@ class MovedByExudyn(Mover):
 
     @property
     def follows_contacts(self) -> bool:
+        """Whether contact or friction may change the limit of the step as nobody knows before."""
         return self._scene.native_items.remembers
 
     @property
     def depths_of_contacts(self) -> Array | None:
+        """Of these, see `NativeItems`."""
         return self._scene.native_items.depths_of_contacts
 
     def can_weigh(self, item: ChangedItem) -> bool:
@@ -123,6 +125,11 @@ class MovedByExudyn(Mover):
         return parts.form.numbers.can_weigh(item) if parts else self._scene.can_weigh(item)
 
     def take_values(self, changed: Mapping[Any, Any], line: Line | None = None) -> bool:
+        """Whether loads, springs and masses that were changed act now; otherwise some may.
+
+        changed: parameters, with their values.
+        line: along which loads and springs change in the next step of the loop; None: they jump.
+        """
         parts, masses = self._scene.parts_in_one, [it for it in changed.items() if self.can_weigh(it[0])]
         if masses and not parts:
             self._scene.read_masses_again()

@@ -1,7 +1,6 @@
 """A run whose steps may go wrong: they are taken again, smaller, from the last good state."""
 
 import math
-from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -87,14 +86,6 @@ class PacedRun:
     def has_mean_forces(self, duration: float) -> bool:
         """Whether what is set before so long an interval of the loop [s] acts on average, without a line."""
         return False
-
-    @property
-    def ramp(self) -> dict[str, list[Any]]:
-        """Numbers that change along a line in the next step of the loop, as JSON has it; empty: none."""
-        return {}
-
-    def take_ramp(self, kept: Mapping[str, Any]) -> None:
-        """Let these numbers change so from now on; see `ramp`."""
 
     @property
     def evaluated_by(self) -> str:
