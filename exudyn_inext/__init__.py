@@ -15,8 +15,7 @@ from .errors import (
     StepSizeError,
 )
 from .exudyn_binding.advising.advise import AdviceSettings, Advise
-from .exudyn_binding.cable_energy import CreateCableEnergySensor
-from .exudyn_binding.cable_forces import CableForces, CreateCableForceSensor
+from .exudyn_binding.cable_forces import CableForces, CreateCableEnergySensor, CreateCableForceSensor
 from .exudyn_binding.eigenvalues import ComputeEigenvalues
 from .exudyn_binding.ensemble import SolveEnsemble
 from .exudyn_binding.explicit_solver import ExplicitSolver

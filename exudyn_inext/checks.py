@@ -26,36 +26,28 @@ def as_number(value: Any) -> float:
 
 def require_positive(name: str, value: Any) -> float:
     """Return `value` as a float, or raise InputError unless it is a finite number above zero."""
-    number = as_number(value)
-    if not (np.isfinite(number) and number > 0.0):
-        raise InputError(f"{name} = {value!r}: must be a finite number > 0; check value and units.")
-    _require_range(name, value, number)
-    return number
+    return _require(name, value, as_number(value) > 0.0, "must be a finite number > 0; check value and units")
 
 
 def require_not_negative(name: str, value: Any) -> float:
     """Return `value` as a float, or raise InputError unless it is zero or a finite number above it."""
-    number = as_number(value)
-    if not (np.isfinite(number) and number >= 0.0):
-        raise InputError(f"{name} = {value!r}: must be a finite number >= 0.")
-    _require_range(name, value, number)
-    return number
+    return _require(name, value, as_number(value) >= 0.0, "must be a finite number >= 0")
 
 
 def require_finite(name: str, value: Any, unit: str = "-") -> float:
     """Return `value` as a float, or raise InputError unless it is a finite number."""
+    return _require(name, value, True, f"must be a finite number [{unit}]")
+
+
+def _require(name: str, value: Any, is_right: bool, wanted: str) -> float:
     number = as_number(value)
-    if not np.isfinite(number):
-        raise InputError(f"{name} = {value!r}: must be a finite number [{unit}].")
-    _require_range(name, value, number)
-    return number
-
-
-def _require_range(name: str, value: Any, number: float) -> None:
+    if not (np.isfinite(number) and is_right):
+        raise InputError(f"{name} = {value!r}: {wanted}.")
     if number != 0.0 and not SMALLEST <= abs(number) <= LARGEST:
         raise InputError(
             f"{name} = {value!r}: must lie between {SMALLEST:g} and {LARGEST:g} in size; check its units."
         )
+    return number
 
 
 def require_integer(name: str, value: Any, least: int, most: int, what: str = "") -> int:

@@ -21,7 +21,6 @@ from .kernel_cache import cache_folder
 from .lowered import (
     FAST_MATH,
     WITH_C_ENTRY,
-    WITH_COUNTS,
     WITHOUT_C_ENTRY,
     WITHOUT_COUNTS,
     WITHOUT_ENTRY,
@@ -64,14 +63,6 @@ def kernel(function: _Function) -> _Function:
     do not count references to those of others.
     """
     return _compiled(function, OPTIONS)
-
-
-def counting_kernel(function: _Function) -> _Function:
-    """A `kernel` that makes arrays, or calls functions of NumPy that do, and counts references to them.
-
-    It must not take arrays out of what an `inlined` part returns: those are not counted.
-    """
-    return _compiled(function, {**OPTIONS, **WITH_COUNTS})
 
 
 def c_function(function: _Function) -> _Function:

@@ -13,7 +13,7 @@ import sys
 import tempfile
 import time
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
@@ -36,8 +36,8 @@ def cache_folder() -> Path | None:
     The first of them that can be written to is taken. If there is none, a warning says so, and every process
     compiles for itself (None).
     """
-    roots = cache_roots()
-    folder = first_writable(root / name_of_folder(PACKAGE, source_hash(PACKAGE)) for root in roots)
+    roots, name = cache_roots(), name_of_folder(PACKAGE, source_hash(PACKAGE))
+    folder = next(filter(_is_writable, (root / name for root in roots)), None)
     if folder is None:
         warnings.warn(
             f"compiled kernels cannot be kept, none of {', '.join(map(str, roots))} can be written to: each "
@@ -85,12 +85,8 @@ def _versions() -> str:
     return f"python {sys.version_info[:2]} numba {numba.__version__} numpy {np.__version__}"
 
 
-def first_writable(folders: Iterable[Path]) -> Path | None:
-    """The first folder that is there, or can be made, and takes files; marked as used now."""
-    return next((folder for folder in folders if _is_writable(folder)), None)
-
-
 def _is_writable(folder: Path) -> bool:
+    """Whether it is there, or can be made, and takes files; marked as used now."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):

@@ -34,7 +34,6 @@ from numba.extending import intrinsic, lower_builtin, type_callable
 
 FAST_MATH = {"contract", "reassoc", "nsz", "arcp"}  # neither nnan nor ninf: divergence must be seen
 WITHOUT_COUNTS = {"_nrt": False}  # of references to arrays: that took a third of a step of a short chain
-WITH_COUNTS = {"_nrt": True}
 # Without the entries for Python and C, functions take a third less time to compile.
 WITHOUT_C_ENTRY = {"no_cfunc_wrapper": True}
 WITH_C_ENTRY = {"no_cfunc_wrapper": False}
@@ -55,11 +54,11 @@ def set_cache(compiled: Any) -> None:
     """
     cache = compiled._cache
     cache._cache_file.save = partial(_save, cache._cache_file)
-    cache.load_overload = partial(_load, cache, compiled.targetoptions["_nrt"])
+    cache.load_overload = partial(_load, cache)
 
 
-def _load(cache: Any, makes_arrays: bool, signature: Any, target: Any) -> Any:
-    if makes_arrays or _hold_text(signature):  # which is counted where it is handed over
+def _load(cache: Any, signature: Any, target: Any) -> Any:
+    if _hold_text(signature):  # which is counted where it is handed over
         rtsys.initialize(target)
     with cache._guard_against_spurious_io_errors():
         result = cache._load_overload(signature, target)

@@ -36,8 +36,7 @@ def _of_most_runs(pilots: Sequence[Pilot]) -> list[Pilot]:
 def _factors(pilots: Sequence[Pilot]) -> Array:
     """a, b, c [s], none of them negative; relative errors count."""
     rows = np.array([_row_of(pilot) / pilot.seconds for pilot in pilots])
-    factors: Array = scipy.optimize.nnls(rows, np.ones(len(pilots)))[0]
-    return factors
+    return scipy.optimize.nnls(rows, np.ones(len(pilots)))[0]
 
 
 def _row_of(pilot: Pilot) -> Array:

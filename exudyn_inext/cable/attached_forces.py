@@ -45,8 +45,7 @@ def attached_variation(cable: Cable, state: Any, gravity: Array, k: np.ndarray, 
 
 def _of_element(x: Array, k: int) -> Array:
     """(4, dim) nodal values of element k."""
-    nodal: Array = x[k : k + 2].reshape(4, -1)
-    return nodal
+    return x[k : k + 2].reshape(4, -1)
 
 
 def _drag_until(cable: Cable, state: Any, k: int, end: float) -> Array:

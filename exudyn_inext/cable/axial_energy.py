@@ -82,5 +82,4 @@ def strain_tension(cable: Cable, chain: Chain) -> Array:
     lengths = cable.element_lengths
     ends = (np.append(lengths, 0.0) + np.append(0.0, lengths)) / 6.0
     nodal = chain.nodes["axial"][:, FORCE] / ends
-    shares: Array = chain.elements["axial"][:, FORCE] / lengths + (nodal[:-1] + nodal[1:]) / 6.0
-    return shares
+    return chain.elements["axial"][:, FORCE] / lengths + (nodal[:-1] + nodal[1:]) / 6.0

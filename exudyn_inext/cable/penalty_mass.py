@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import counting_kernel, inlined, kernel
+from ..compiled import inlined, kernel
 from ..element.inertia import mass_matrix
 from .assembly import GAMMA, RATE, VALUE
 from .cable import Cable
@@ -26,7 +26,7 @@ class PenaltySystem(NamedTuple):
     """A chain whose constraints, supports included, are penalised.
 
     chain: coefficients and memory; nothing is held.
-    mass: (n_dof, n_dof) mass without penalties [kg, kg m, kg m^2].
+    mass: (n, 2, dim, n, 2, dim) mass without penalties [kg, kg m, kg m^2].
     reference: (n, 2, dim) reference configuration, where supports hold.
     nodal: (n,) penalty of each nodal constraint (18) [kg m^2], 0 where there is none.
     length: (N,) penalty of the length constraint (19) that each element belongs to [kg].
@@ -65,7 +65,7 @@ def build_penalty_system(cable: Cable, held: np.ndarray, penalty: float, z: floa
         unconstrained[-1] = True
     return PenaltySystem(
         chain=build_chain(cable),
-        mass=cable.section.mass_per_length * form_of_cable(cable, mass_matrix).toarray(),
+        mass=cable.section.mass_per_length * form_of_cable(cable, mass_matrix).toarray().reshape(shape * 2),
         reference=cable.reference,
         nodal=np.where(unconstrained, 0.0, of_slope),
         length=_in_groups(masses, cable.group_of_element()),
@@ -78,15 +78,13 @@ def build_penalty_system(cable: Cable, held: np.ndarray, penalty: float, z: floa
 def _at_nodes(of_elements: Array, closed: bool) -> Array:
     """(n,) mean of the neighbouring elements."""
     first, last = (of_elements[-1], of_elements[0]) if closed else (of_elements[0], of_elements[-1])
-    mean: Array = 0.5 * (np.append(first, of_elements) + np.append(of_elements, last))
-    return mean
+    return 0.5 * (np.append(first, of_elements) + np.append(of_elements, last))
 
 
 def _in_groups(of_elements: Array, group: np.ndarray) -> Array:
     """(N,) mean over the group of each element."""
     same = group[:, None] == group
-    mean: Array = same @ of_elements / same.sum(axis=1)
-    return mean
+    return same @ of_elements / same.sum(axis=1)
 
 
 @inlined
@@ -131,7 +129,7 @@ def penalty_force(system, external, q, v, force):
             demand = 0.0
 
 
-@counting_kernel
+@kernel
 def penalty_mass(system, q, mass):
     """mass = M + k C_q^T C_q.
 
@@ -142,7 +140,8 @@ def penalty_mass(system, q, mass):
     """
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
     gradient = system.gradient
-    mass[:] = system.mass.reshape(mass.shape)
+    for place in np.ndindex(mass.shape):
+        mass[place] = system.mass[place]
     for k in range(len(nodes)):
         for i in range(len(axes)):
             mass[k, 0, i, k, 0, i] += system.held[k, 0, i]

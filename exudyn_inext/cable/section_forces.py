@@ -218,8 +218,7 @@ def constraint_tension(cable: Cable, nodal: Array, length: Array) -> Array:
         share[[0, -1]] *= 2.0
     else:
         share[[0, -1]] = share[0] + share[-1]
-    result: Array = 2.0 * length + (share[1:] + share[:-1]) / cable.element_lengths
-    return result
+    return 2.0 * length + (share[1:] + share[:-1]) / cable.element_lengths
 
 
 def _bending_tension(cable: Cable, q: Array, v: Array) -> Array:

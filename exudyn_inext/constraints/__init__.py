@@ -15,9 +15,9 @@ from .quadratic import Constraints, Kind
 __all__ = ["Constraints", "constraints_of_cable", "constraints_of_cables", "kinds_of_cable"]
 
 
-def constraints_of_cable(cable: Cable, slope: Array | None = None) -> Constraints:
+def constraints_of_cable(cable: Cable) -> Constraints:
     """All constraints of `cable`, see `kinds_of_cable`."""
-    return constraints_of_cables([cable], [kinds_of_cable(cable, slope)])
+    return constraints_of_cables([cable], [kinds_of_cable(cable)])
 
 
 def kinds_of_cable(cable: Cable, slope: Array | None = None) -> list[Kind]:

@@ -49,8 +49,7 @@ def motion_of(
         return values
 
     def at(t: float) -> Array:
-        values: Array = at_times([t])[0]
-        return values
+        return at_times([t])[0]
 
     if is_pure and not is_driven:
         at = lru_cache(maxsize=2)(at)  # a step asks for the time of its end several times
@@ -123,8 +122,7 @@ def _is_within(values: Array) -> np.ndarray:
     """(...) whether functions surely neither begin nor end there.   values: (..., 5, n) around that time."""
     rests = values[..., 1:4:2, :] == values[..., 2:3, :]
     is_even = (rests[..., 0, :] == rests[..., 1, :]).all(axis=-1)
-    within: np.ndarray = np.isfinite(values).all(axis=(-2, -1)) & is_even
-    return within
+    return np.isfinite(values).all(axis=(-2, -1)) & is_even
 
 
 def _side(function: Function, t: float, values: Array) -> int:

@@ -93,8 +93,7 @@ class Constraints:
     def _vectors(self, x: Array, points: Array) -> Array:
         """(Y, dim) W x - p."""
         own = x.reshape(-1, self._dim)[self._places]
-        result: Array = np.einsum("yk,yki->yi", self._weights, own) - points
-        return result
+        return np.einsum("yk,yki->yi", self._weights, own) - points
 
     def _sums(self, a: Array, b: Array) -> Array:
         """(m,) sum f a . b.   a, b: (Y, dim)."""

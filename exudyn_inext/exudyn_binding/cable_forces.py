@@ -1,4 +1,4 @@
-"""Tension, shear force and bending moment of a cable of an mbs: as values and as sensors."""
+"""Tension, shear force and bending moment of a cable of an mbs, as values and sensors, and its energies."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -273,6 +273,30 @@ def CreateCableForceSensor(
         return [float(forces.tension[0]), float(forces.bending_moment[0])]
 
     return add_sensor_of_cable(mbs, number, tension_and_moment, storeInternal, fileName)
+
+
+def CreateCableEnergySensor(mbs: Any, cable: Any, storeInternal: bool = True, fileName: str = "") -> int:
+    """Sensor of the kinetic and elastic energy of a cable [J].
+
+    It takes the place of sensors of KineticEnergy and PotentialEnergy of native elements, summed over them.
+    As there, the elastic energy is that of bending and stretch, without gravity. The kinetic one is with
+    point masses on the cable.
+
+    Args:
+        mbs: the system where the sensor is added.
+        cable: what CreateInextensibleCable returned, or the number of its object.
+        storeInternal, fileName: as in native sensors; an empty name writes no file.
+
+    Returns:
+        sensor number; its values are [kinetic energy, elastic energy].
+
+    Raises:
+        InputError: not a cable; mbs is unchanged then.
+    """
+    number, _ = require_cable(mbs, cable)
+    return add_sensor_of_cable(
+        mbs, number, lambda evaluator, mbs: list(evaluator.energies(mbs)), storeInternal, fileName
+    )
 
 
 def add_sensor_of_cable(

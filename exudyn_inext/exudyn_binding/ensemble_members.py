@@ -10,7 +10,7 @@ import exudyn
 import numpy as np
 
 from ..arrays import Array
-from ..errors import InextensibleError, InputError, SceneError
+from ..errors import InextensibleError, InputError
 from ..run.coupled_run import Run
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import StepChoice, choose_step
@@ -44,7 +44,7 @@ def all_systems(systems: Any, parameters: Iterable[Any] | None) -> list[Callable
             "list of its parameters: "
             + ("parameters are missing." if callable(systems) else "systems is no function.")
         )
-    function, values = (_as_it_is, systems) if parameters is None else (systems, parameters)
+    function, values = (lambda mbs: mbs, systems) if parameters is None else (systems, parameters)
     if not isinstance(values, Iterable) or isinstance(values, str | bytes | dict):
         what = "systems" if parameters is None else "parameters"
         raise InputError(f"{what} = {values!r}: must be a sequence, one entry a member.")
@@ -52,10 +52,6 @@ def all_systems(systems: Any, parameters: Iterable[Any] | None) -> list[Callable
     if not builders:
         raise InputError("the ensemble is empty: give at least one system.")
     return builders
-
-
-def _as_it_is(mbs: Any) -> Any:
-    return mbs
 
 
 def read_members(
@@ -103,10 +99,4 @@ def _naming(number: int) -> Iterator[None]:
 def _runs(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> Sequence[Run]:
     if not hasattr(mbs, "systemIsConsistent"):
         raise InputError(f"{mbs!r} is no system of Exudyn (mbs): a builder must return it.")
-    runs = compiled_runs(mbs, time, h, explicit, "SolveEnsemble", "within an ensemble")
-    if not runs:
-        raise SceneError(
-            "it has no inextensible cable: add one with CreateInextensibleCable, or make native elements one "
-            "by ReplaceNativeCables."
-        )
-    return runs
+    return compiled_runs(mbs, time, h, explicit, "SolveEnsemble", "within an ensemble")

@@ -50,7 +50,8 @@ class Restarts:
         self._start = float(settings.timeIntegration.startTime)
         self._end = float(settings.timeIntegration.endTime)
         self._explicit = explicit
-        self._identity = self._present_identity() if options.write or continues else {}
+        scene = mbs, explicit, self._start
+        self._identity = scene_identity(*scene) if options.write or continues else {}
         self.found: Restart | None = read_restart(self._name) if continues else None
         self.changes: Mapping[str, Any] = {}
         if self.found is not None:
@@ -59,9 +60,6 @@ class Restarts:
             self.mass_scaling, self.changes = header["massScaling"], header["changes"]
             self.damps_implicitly = header["dampsImplicitly"]
             self._old = TimeGrid(**header["grid"])
-
-    def _present_identity(self) -> dict[str, dict[str, str]]:
-        return scene_identity(self._mbs, self._explicit, self._start)
 
     def _require_same(self, theirs: dict[str, dict[str, str]], meanwhile: Mapping[str, Any]) -> None:
         """Our scene must be as theirs at its start; or, in the same process, as they have left it."""
@@ -78,21 +76,9 @@ class Restarts:
         return LoopClock(grid, self.found.header["loopStep"], self._end) if self.found else None
 
     @property
-    def _evaluated_by(self) -> list[str]:
-        """By whom, of each run that is continued."""
-        found: list[str] = self.found.header["evaluatedBy"] if self.found else []
-        return found
-
-    @property
-    def _ramps(self) -> list[Any]:
-        """Of each run that is continued, see `PacedRun.ramp`."""
-        found: list[Any] = self.found.header["ramps"] if self.found else []
-        return found
-
-    @property
     def was_coupled(self) -> bool:
         """Whether the run that is continued moves cables together with other items; False without one."""
-        return any(self._evaluated_by)
+        return self.found is not None and any(self.found.header["evaluatedBy"])
 
     @property
     def time(self) -> float:
@@ -152,7 +138,7 @@ class Restarts:
         if step == grid.loop_steps and has_functions(
             self._identity
         ):  # a later run of the same mbs finds them
-            meanwhile = changes(self._identity, self._present_identity())
+            meanwhile = changes(self._identity, scene_identity(self._mbs, self._explicit, self._start))
         loop_step = (self._end - grid.start) / grid.loop_steps
         header = {
             "grid": asdict(replace(grid, first=step)),
@@ -172,11 +158,11 @@ class Restarts:
 
     def resume(self, runs: Sequence[Any], grid: TimeGrid) -> None:
         """Give the runs the states and memories of the file."""
-        arrays = self.found.arrays if self.found else {}
+        assert self.found
         for number, run in enumerate(runs):
-            run.evaluate_by(self._evaluated_by[number])
-            unpack(str(number), run.memory(), arrays)
-            run.take_ramp(self._ramps[number])
+            run.evaluate_by(self.found.header["evaluatedBy"][number])
+            unpack(str(number), run.memory(), self.found.arrays)
+            run.take_ramp(self.found.header["ramps"][number])
             run.resume(grid.time(grid.first))
 
     @property

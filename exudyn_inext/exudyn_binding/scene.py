@@ -22,7 +22,7 @@ from ..items.element_weights import Elements, elements_by_nodes, put_together, r
 from ..items.functions_of_time import functions_at_rest
 from ..items.link_items import read_held_coordinate, read_moving_coordinate, read_rod
 from ..items.load_items import read_load
-from ..items.mass_points import mass_of_point, node_of_mass_point, require_none_connected
+from ..items.mass_points import node_of_mass_point, require_none_connected
 from ..items.replace_native import require_as_replaced
 from ..loads.nodal import NodalLoad
 from ..loads.weight import ElementWeight
@@ -147,7 +147,7 @@ def _contents(mbs: Any, read: Callable[..., Constraint | None]) -> Contents:
         elif belongs_to_a_cable(data):
             contents.enforcing.append(number)
         elif (node := node_of_mass_point(data)) in on_cables:
-            contents.mass_points[number] = node, mass_of_point(data)
+            contents.mass_points[number] = node, float(data["mass"])
         elif _does_something(data):
             contents.others.append(described(data, number))
     return contents

@@ -26,6 +26,8 @@ from .mbs_state import State, at_start, initial_state
 from .scene import initial_states, read_scene, require_assembled
 from .time_loop import refuse_step_functions
 
+MOST_NAMED = 3  # items of a scene, in messages
+
 
 def needs_coupling(scene: Scene) -> bool:
     """Whether there are other items than cables, all moved together by one right-hand side of Exudyn."""
@@ -77,12 +79,12 @@ class RunBuilder:
                 changed.update(objects_at(self.mbs, marker))
         held = {number: held for number, held in scene.held.items() if number not in changed}
         scene, explicit = replace(scene, held=held), self.explicit
-        runs = coupled_runs if was_coupled else runs_of_scene
+        given = end, changed, was_coupled
         if state is None:
-            return runs(self.mbs, scene, time, self.scaling, explicit, end, changed)
+            return runs_of_scene(self.mbs, scene, time, self.scaling, explicit, *given)
         with initial_state(self.mbs, state):
             lenient = replace(explicit, startTolerance=LARGEST)
-            return runs(self.mbs, scene, time, self.scaling, lenient, end, changed)
+            return runs_of_scene(self.mbs, scene, time, self.scaling, lenient, *given)
 
 
 def runs_of_cables(
@@ -110,6 +112,7 @@ def runs_of_scene(
     explicit: ExplicitSettings,
     end_of_step: float | None = None,
     moved: Set[int] = frozenset(),
+    is_coupled: bool = False,
 ) -> Sequence[Run]:
     """One run for each cable, or one for cables, bodies and joints together.
 
@@ -118,6 +121,7 @@ def runs_of_scene(
         scene: what it contains.   time: of the start [s].
         h: step that scales the mass [s]; 0 without mass scaling.   explicit: settings.
         end_of_step: see `CoupledRun`.   moved: see `CoupledScene`.
+        is_coupled: whether it needs coupling in any case.
 
     Raises:
         SceneError: nothing moves.
@@ -129,21 +133,8 @@ def runs_of_scene(
         raise InputError(
             f"massScaling = {explicit.massScaling!r}: only inextensible cables have it; set it to zero."
         )
-    if not needs_coupling(scene):
+    if not (is_coupled or needs_coupling(scene)):
         return runs_of_cables(mbs, scene.cables, time, h, explicit, bool(step_functions(mbs)))
-    return coupled_runs(mbs, scene, time, h, explicit, end_of_step, moved)
-
-
-def coupled_runs(
-    mbs: Any,
-    scene: Scene,
-    time: float,
-    h: float,
-    explicit: ExplicitSettings,
-    end_of_step: float | None,
-    moved: Set[int],
-) -> Sequence[Run]:
-    """One run for cables, bodies and joints together; arguments: see `runs_of_scene`."""
     unloaded = [cable.among_others for cable in scene.cables]  # Exudyn evaluates the loads
     runs = runs_of_cables(mbs, unloaded, time, h, explicit)
     cables = [CoupledCable(run.scene_cable, run.system, run.loads) for run in runs]
@@ -179,14 +170,19 @@ def compiled_runs(
     who: asks.   where: step functions would not be called.
 
     Raises:
-        SceneError: Exudyn has to evaluate items of the scene, or there are step functions.
+        SceneError: Exudyn has to evaluate items of the scene, or there are step functions, or no cables.
     """
     require_assembled(mbs)
     refuse_step_functions(mbs, where)
     take_word(mbs, explicit.dependsOnTimeOnly)
     with at_start(mbs, time), at_position_level(mbs, time):
         scene = read_scene(mbs)
-        if not scene.cables or not needs_coupling(scene):
+        if not scene.cables:
+            raise SceneError(
+                "mbs has no inextensible cable to step: add one with CreateInextensibleCable, make native "
+                "elements one by ReplaceNativeCables, or use SolveExplicit for native items."
+            )
+        if not needs_coupling(scene):
             return runs_of_cables(mbs, scene.cables, time, h, explicit)
         with switched_off(mbs, *scene.evaluated_by_kernels):
             runs: Sequence[Any] = runs_of_scene(mbs, scene, time, h, explicit)
@@ -212,6 +208,6 @@ def bounds_if_scaled(
     return bounds
 
 
-def _shortened(items: Sequence[str], most: int = 3) -> str:
-    rest = f" and {len(items) - most} more" if len(items) > most else ""
-    return ", ".join(items[:most]) + rest if items else "bodies or joints"
+def _shortened(items: Sequence[str]) -> str:
+    rest = f" and {len(items) - MOST_NAMED} more" if len(items) > MOST_NAMED else ""
+    return ", ".join(items[:MOST_NAMED]) + rest if items else "bodies or joints"

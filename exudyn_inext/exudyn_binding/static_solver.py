@@ -34,8 +34,8 @@ from ..statics import (
     find_equilibrium,
     potential_of,
     potentials_of,
+    support_forces,
 )
-from ..statics.support_forces import support_forces
 from .fold_check import fold_of
 from .mbs_state import at_start
 from .reports import StaticReport

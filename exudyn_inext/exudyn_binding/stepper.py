@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..checks import require_finite, require_integer, require_positive
-from ..errors import InputError, SceneError
+from ..errors import InputError
 from ..items.arguments import explicit_settings, node_number
 from ..native.native_items import state_kept
 from ..run.cable_run import Start
@@ -92,11 +92,6 @@ class ExplicitStepper:
         given = steps_of_interval(interval, explicit.stepSize, MOST_STEPS)[1] if explicit.stepSize else 0.0
         where = "between the steps of a stepper"
         runs = compiled_runs(mbs, start, given, explicit, "ExplicitStepper", where)
-        if not runs:
-            raise SceneError(
-                "mbs has no inextensible cable to step: add one with CreateInextensibleCable, make native "
-                "elements one by ReplaceNativeCables, or use SolveExplicit for native items."
-            )
         choice = choose_step(runs, start, duration, explicit, given if explicit.massScaling else 0.0)
         choice = shorten_for_stretch(runs, choice)
         warn_of_damping(choice, duration)

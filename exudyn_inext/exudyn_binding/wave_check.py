@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..cable.cable import Cable
 from ..errors import InextensibleError
+from ..run.accurate_step import step_of_axial_waves
 from ..run.coupled_run import Run
 from .kept_states import KeptStates
 
@@ -17,7 +17,6 @@ FEW_LOOKS, LOOKS, MOST_SOLVES = 4, 12, 300  # at tensions, and solves of cables 
 LARGEST_SHARE = 1.0  # of the tension
 SUSPICIOUS = 0.3  # share in few states, for which more are looked at
 SMALL = 1e-5  # strain that loads no material
-RESOLVED = 0.25  # of an element, that a wave passes in a step
 
 
 def share_of_waves(kept: KeptStates) -> tuple[float, str]:
@@ -59,15 +58,8 @@ def _of_cable(run: Run, place: int, found: Sequence[Any]) -> tuple[float, str]:
     return share, (
         f"cable '{scene_cable.name}' vibrates along its axis faster than the steps resolve, with "
         f"{beyond:.3g} N beside a tension of {mean:.3g} N (root mean squares): peaks of forces may be wrong. "
-        f"Take stepSize = {_resolving_step(scene_cable.cable):.2g}."
+        f"Take stepSize = {step_of_axial_waves(scene_cable.cable):.2g}."
     )
-
-
-def _resolving_step(cable: Cable) -> float:
-    """With which the forces of such vibrations are right [s]."""
-    section, length = cable.section, float(cable.element_lengths.min())
-    assert section.axial_stiffness
-    return RESOLVED * length * math.sqrt(section.mass_per_length / section.axial_stiffness)
 
 
 def warn_of_waves(shares: Sequence[tuple[float, str]]) -> None:

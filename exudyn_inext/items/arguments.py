@@ -16,8 +16,7 @@ def simulation_settings(given: Any) -> Any:
 
 def explicit_settings(given: Any) -> ExplicitSettings:
     """The given ExplicitSettings, or those by default for None."""
-    checked: ExplicitSettings = settings_of(ExplicitSettings, "explicitSettings", given)
-    return checked
+    return settings_of(ExplicitSettings, "explicitSettings", given)
 
 
 def settings_of(kind: Any, name: str, given: Any) -> Any:

@@ -34,8 +34,8 @@ def read_rod(mbs: Any, data: dict[str, Any]) -> Rod | None:
     return Rod(tuple(nodes), points[0] if points else None, float(data["distance"]), f"'{data['name']}'")
 
 
-def _coordinate_to_ground(mbs: Any, data: dict[str, Any], is_moved: bool) -> HeldCoordinate | None:
-    """What a CoordinateConstraint ties to the ground, with an offset or without; or None."""
+def read_held_coordinate(mbs: Any, data: dict[str, Any], is_moved: bool = False) -> HeldCoordinate | None:
+    """What a CoordinateConstraint ties to the ground, with an offset or without; None of other objects."""
     if data["objectType"] != "ConnectorCoordinate" or data["velocityLevel"]:
         return None
     if bool(data["offset"] != 0.0 or data["offsetUserFunction"]) != is_moved:
@@ -47,14 +47,9 @@ def _coordinate_to_ground(mbs: Any, data: dict[str, Any], is_moved: bool) -> Hel
     return HeldCoordinate(int(marker["nodeNumber"]), int(marker["coordinate"]), gradient)
 
 
-def read_held_coordinate(mbs: Any, data: dict[str, Any]) -> HeldCoordinate | None:
-    """A CoordinateConstraint that holds a nodal coordinate to ground, or None if it is not one."""
-    return _coordinate_to_ground(mbs, data, is_moved=False)
-
-
 def read_moving_coordinate(mbs: Any, number: int, data: dict[str, Any]) -> MovingCoordinate | None:
     """A CoordinateConstraint to ground whose offset is given, by a user function or constant; or None."""
-    tied = _coordinate_to_ground(mbs, data, is_moved=True)
+    tied = read_held_coordinate(mbs, data, is_moved=True)
     if tied is None or tied.gradient != 1.0:
         return None
     reference = np.array(mbs.GetNode(tied.node)["referenceCoordinates"])

@@ -7,7 +7,7 @@ import numpy as np
 from ..arrays import Array
 from ..loads.nodal import LoadFunction, NodalLoad
 from .functions_of_time import is_of_time_alone, python_function
-from .mass_points import mass_of_point, node_of_mass_point
+from .mass_points import node_of_mass_point
 
 _POSITION_MARKERS = {"NodePosition", "NodeRigid"}
 
@@ -40,7 +40,7 @@ def _weight_of_mass_point(
     node = node_of_mass_point(body)
     if node < 0:
         return None
-    mass = mass_of_point(body)
+    mass = float(body["mass"])
     gravity, history, is_pure = course_of(mbs, data["loadVectorUserFunction"], data["loadVector"], mass)
     return NodalLoad(node, (0, 1, 2), mass * gravity, history, is_pure, number, mass)
 

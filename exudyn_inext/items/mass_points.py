@@ -18,11 +18,6 @@ def node_of_mass_point(data: dict[str, Any]) -> int:
     return int(data["nodeNumber"]) if data["objectType"] in _TYPES else -1
 
 
-def mass_of_point(data: dict[str, Any]) -> float:
-    """Of a mass point [kg], by either name that Exudyn's versions have for it."""
-    return float(data["mass"] if "mass" in data else data["physicsMass"])
-
-
 def require_none_connected(mbs: Any, number: int, data: dict[str, Any], mass_points: Container[int]) -> None:
     """Raise SceneError if an object connects one of these mass points on nodes of cables."""
     for marker in data.get("markerNumbers", ()) if mass_points else ():

@@ -104,8 +104,7 @@ class ConstantForces:
         for row in self._out_of_plane:
             if self._values[row]:
                 raise out_of_plane(self._owners[row], self._values[row])
-        force: Array = self._values.dot(self._patterns)
-        return force
+        return self._values.dot(self._patterns)
 
 
 def out_of_plane(load: Any, value: float) -> SceneError:

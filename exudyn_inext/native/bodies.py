@@ -13,7 +13,7 @@ from exudyn.exudynCPP import ObjectIndex
 from ..arrays import Array, SparseArray
 from ..errors import SceneError
 from ..items.arguments import described
-from ..items.mass_points import mass_of_point, node_of_mass_point
+from ..items.mass_points import node_of_mass_point
 from ..items.parameters import Parameter
 from ..scene.bodies import BodiesSystem, MassBlock, VariableBlocks
 
@@ -26,7 +26,6 @@ _CONSTANT_MASS = {
     "Mass1D",
     "RotationalMass1D",
 }
-_CENTRE_OF_MASS = {"centerOfMass", "physicsCenterOfMass"}  # names in Exudyn's versions
 _SINGULAR = 1e-13  # part of a mass that must resist in each direction
 _LOCKED = 1e-6  # cosine of the second of three angles
 _SINGULAR_MASSES = {  # remedies for objects whose mass matrices are singular however they are given
@@ -92,8 +91,7 @@ class SystemMass:
         if self._known is None:
             self._solver.ComputeMassMatrix(self._mbs)
             self._known = np.asarray(self._solver.GetSystemMassMatrix())
-        part: Array = self._known[places[..., :, None], places[..., None, :]]
-        return part
+        return self._known[places[..., :, None], places[..., None, :]]
 
 
 def _mass_of_object(mbs: Any, number: int, coordinates: np.ndarray, total: SystemMass) -> tuple[Array, bool]:
@@ -111,7 +109,7 @@ def _mass_of_object(mbs: Any, number: int, coordinates: np.ndarray, total: Syste
 def _mass_among_parameters(data: dict[str, Any], size: int) -> Array | None:
     """(size, size) of an object whose mass is one of its parameters, empty if it has none; None of others."""
     if node_of_mass_point(data) >= 0:
-        return mass_of_point(data) * np.eye(size)
+        return float(data["mass"]) * np.eye(size)
     if data["objectType"] == "GenericODE2" and not data["massMatrixUserFunction"]:
         return np.asarray(data["massMatrix"].Convert2DenseMatrix())
     return None
@@ -152,7 +150,7 @@ def _has_constant_mass(data: dict[str, Any]) -> bool:
     if data["objectType"] == "GenericODE2":
         return not data["massMatrixUserFunction"]
     if data["objectType"] == "RigidBody2D":
-        return not any(np.any(data[name]) for name in _CENTRE_OF_MASS & data.keys())
+        return not np.any(data["centerOfMass"])
     return data["objectType"] in _CONSTANT_MASS
 
 
@@ -263,11 +261,11 @@ class BodyMasses:
     def read_again(self) -> None:
         """Constant masses, which may have been changed since."""
         self._total.forget()
-        groups = [
-            [replace(body, initial_mass=self._present_mass(body)) for body in group]
-            for group in self._constant_groups
-        ]
-        blocks = list(map(self._block, groups))
+        blocks = []
+        for group in self._constant_groups:
+            given = ((body, (self._mbs, body.number, body.coordinates, self._total)) for body in group)
+            present = [replace(body, initial_mass=_mass_of_object(*own)[0]) for body, own in given]
+            blocks.append(self._block(present))
         self._require_mass(blocks, is_initial=False)
         self.system.set_constant(blocks)
 
@@ -291,9 +289,6 @@ class BodyMasses:
             alike.append((stack.blocks.dofs, _with_normals(stack.blocks, masses, q[self.coordinates])))
         for dofs, masses in alike:
             require_mass(self._mbs, self.coordinates[_without_mass(dofs, masses)])
-
-    def _present_mass(self, body: Body) -> Array:
-        return _mass_of_object(self._mbs, body.number, body.coordinates, self._total)[0]
 
     @property
     def number_of_variable(self) -> int:

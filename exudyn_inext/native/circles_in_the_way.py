@@ -65,8 +65,7 @@ class CirclesInTheWay:
         start, along = ends[self._first], ends[self._first + 1] - ends[self._first]
         squares = np.maximum((along**2).sum(axis=1), 1e-300)
         nearest = np.clip(-(start * along).sum(axis=1) / squares, 0.0, 1.0)
-        found: Array = np.linalg.norm(start + nearest[:, np.newaxis] * along, axis=1)
-        return found
+        return np.linalg.norm(start + nearest[:, np.newaxis] * along, axis=1)
 
 
 def _pairs(mbs: Any) -> Iterator[tuple[int, int, int, float]]:

@@ -59,8 +59,7 @@ class CoordinateMap:
         if not self._is_all:
             self._vector[self._into] = v[self._own]
             v = self._vector
-        values: list[float] = v.tolist()
-        return values
+        return v.tolist()
 
     def repeat(self, x: Array) -> None:
         """Give coordinates that stand twice the values that they have in their first place, in x (..., n)."""

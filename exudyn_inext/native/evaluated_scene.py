@@ -250,7 +250,7 @@ class SceneOfExudyn(EvaluatedScene):
         self.native_items.forget()
 
     def can_weigh(self, item: tuple[str, int, str]) -> bool:
-        """See `Mover.can_weigh`, where Exudyn evaluates bodies."""
+        """See `KnownNumbers.can_weigh`, where Exudyn evaluates bodies."""
         return self._masses.can_weigh(Parameter(*item))
 
     def _first_order_states(self) -> list[Part]:
@@ -369,8 +369,7 @@ class SceneOfExudyn(EvaluatedScene):
     def _joined_forces_on(self, dofs: slice) -> Array:
         """Of items and joints, on a part."""
         of_joints = self.system.joint_force(dofs)
-        result: Array = self.native_items.native_forces[dofs] - of_joints
-        return result
+        return self.native_items.native_forces[dofs] - of_joints
 
     def joined_forces(self) -> Array:
         """(n,) of items and joints on the cables, when accelerations were asked for last."""

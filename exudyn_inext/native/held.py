@@ -73,8 +73,7 @@ class HeldCoordinates:
         Args:
             forces: (k,) on the held coordinates [N, Nm].   a: (n,) accelerations of the other ones.
         """
-        result: Array = (forces - self._masses.coupling @ a) / self._gradients
-        return result
+        return (forces - self._masses.coupling @ a) / self._gradients
 
     def _said(self, what: str, values: Array, tolerance: float) -> str:
         """Which held coordinate has the largest value, if that is above the tolerance."""

@@ -200,11 +200,8 @@ def _blocks(
     for own, met in zip(rows, places, strict=True):
         for place in met:
             of_parts.setdefault(place[0], []).append(own)
-    return {number: _block_of(parts[number], of_parts[number]) for number in sorted(of_parts)}
-
-
-def _block_of(part: Part, rows: Sequence[np.ndarray]) -> JointBlock:
-    return JointBlock(part.system, part.dofs, np.concatenate(rows), part.whole)
+    met_parts = ((number, parts[number], np.concatenate(of_parts[number])) for number in sorted(of_parts))
+    return {number: JointBlock(part.system, part.dofs, own, part.whole) for number, part, own in met_parts}
 
 
 @kernel

@@ -138,8 +138,7 @@ class NativeItems:
             follow(self._counted, q, forces)
         if first:
             forces = np.concatenate([forces, residual[second : second + first]])
-        total: Array = forces + self.given
-        return total
+        return forces + self.given
 
     def rates_of_states(self, t: float, q: Array, v: Array) -> Array:
         """y' (k,) of the first order states, which are the last ones of v."""
@@ -149,8 +148,7 @@ class NativeItems:
     def _present_rates(self) -> Array:
         self._solver.ComputeODE1RHS(self._mbs)
         second, first = self._sizes
-        result: Array = self._solver.GetSystemResidual()[second : second + first]
-        return result
+        return self._solver.GetSystemResidual()[second : second + first]
 
     def take_constants(self) -> None:
         """Constant loads on cables, which may have been changed."""

@@ -52,12 +52,12 @@ class RampedParameters:
 
     @property
     def kept(self) -> dict[str, list[Any]]:
-        """See `PacedRun.ramp`."""
+        """See `CableRun.ramp`."""
         before = [[*key, old.tolist()] for key, old, _ in self._lines]
         return {"step": self._ramp.step, "before": before} if before else {}
 
     def take(self, kept: Mapping[str, Any]) -> None:
-        """See `PacedRun.take_ramp`."""
+        """See `CableRun.take_ramp`."""
         before = {Parameter(*names): value for *names, value in kept.get("before", ())}
         start, end = kept.get("step", NO_STEP)
         self.begin(before, Line(start, end, before))

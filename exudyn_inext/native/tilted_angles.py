@@ -67,7 +67,6 @@ def _cosines(turns: Array, axis: int) -> Array:
     """
     if turns.shape[1] == 4:
         i, j = _NEXT[axis]
-        result: Array = 1.0 - 2.0 * (turns[:, 1 + i] ** 2 + turns[:, 1 + j] ** 2)
-        return result
+        return 1.0 - 2.0 * (turns[:, 1 + i] ** 2 + turns[:, 1 + j] ** 2)
     (a, b, c), (sin_a, sin_b, sin_c) = np.cos(turns.T), np.sin(turns.T)
     return (b * c, a * c - sin_a * sin_b * sin_c, a * b)[axis]

@@ -64,7 +64,7 @@ def resolution_of_mesh(run: Run, time: float, theta: float) -> Array:
     """
     stretching = [cable for cable in run.cables if cable.stretches]
     if stretching:
-        return np.array([min(map(_step_of_axial_waves, stretching)) ** 2, 0.0, 0.0, 0.0])
+        return np.array([min(map(step_of_axial_waves, stretching)) ** 2, 0.0, 0.0, 0.0])
     if not isinstance(run, CableRun):
         return NO_MESH
     cable = run.scene_cable.cable
@@ -82,8 +82,8 @@ def small_error(run: Run) -> float:
     return 0.5 * SMALL**2 * cable.section.mass_per_length * cable.length**3
 
 
-def _step_of_axial_waves(cable: Cable) -> float:
-    """The shortest step that serves stretch [s]."""
+def step_of_axial_waves(cable: Cable) -> float:
+    """The shortest step that serves stretch: with it, forces of axial vibrations are right [s]."""
     section, length = cable.section, float(cable.element_lengths.min())
     assert section.axial_stiffness
     passing = length * math.sqrt(section.mass_per_length / section.axial_stiffness)

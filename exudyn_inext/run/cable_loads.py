@@ -88,11 +88,11 @@ class CableLoads:
 
     @property
     def kept_ramp(self) -> dict[str, list[Any]]:
-        """See `PacedRun.ramp`."""
+        """See `CableRun.ramp`."""
         return {"step": self._ramp.step, "missing": self.pattern[-1].tolist()} if self._ramp else {}
 
     def take_ramp(self, kept: Mapping[str, Any]) -> None:
-        """See `PacedRun.take_ramp`."""
+        """See `CableRun.take_ramp`."""
         if self._ramp:
             self._ramp.begin(*kept.get("step", NO_STEP))
             self.pattern[-1] = kept.get("missing", 0.0)
@@ -164,15 +164,13 @@ class CableLoads:
         if time != self._time or not self.known_ahead:
             self._varying = self.factors([time])[0].dot(self.pattern)
             self._time = time
-        forces: Array = self.constant + self._varying
-        return forces
+        return self.constant + self._varying
 
     def at_times(self, times: list[float]) -> Array:
         """(k, n_external) as `at`, at all of them."""
         if not len(self.pattern):
             return self.constant[np.newaxis].repeat(len(times), axis=0)
-        forces: Array = self.constant + self.factors(times) @ self.pattern
-        return forces
+        return self.constant + self.factors(times) @ self.pattern
 
     def sample(self, piece: Piece, stages: Sequence[float]) -> LoadHistory:
         """Load history of a piece, at the stages of a scheme."""
@@ -217,8 +215,7 @@ class CableLoads:
         """(m,) components of a load with a history."""
         values = LoadFunctions([_asked(load)]).values([time])
         _require_none(self._columns_out_of_plane([load]), values)
-        components: Array = values[0]
-        return components
+        return values[0]
 
     def _columns_out_of_plane(self, loads: Sequence[CableLoad]) -> list[tuple[int, CableLoad]]:
         """Which of all components of these loads leave the cable's plane; and whose they are."""

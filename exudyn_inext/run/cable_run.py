@@ -389,9 +389,11 @@ class CableRun(PacedRun):
 
     @property
     def ramp(self) -> dict[str, list[Any]]:
+        """Numbers that change along a line in the next step of the loop, as JSON has it; empty: none."""
         return self.loads.kept_ramp
 
     def take_ramp(self, kept: Mapping[str, Any]) -> None:
+        """Let these numbers change so from now on; see `ramp`."""
         self.loads.take_ramp(kept)
 
     def ramp_loads(self, values: Mapping[int, Sequence[float]], time: float, end: float) -> set[int]:
@@ -505,8 +507,7 @@ class CableRun(PacedRun):
     @cached_property
     def _strains(self) -> Array:
         """(N,) of the elements; memory of the system."""
-        strains: Array = self.system.chain.elements["axial"][:, STRAIN]
-        return strains
+        return self.system.chain.elements["axial"][:, STRAIN]
 
     @cached_property
     def _stiffness_by_mass(self) -> Array:

@@ -159,8 +159,7 @@ class SceneLoads:
 
     def of_joints(self, t: float) -> Array:
         """(F,) values of the functions of joints at t [s]."""
-        values: Array = self._of_joints([t])[0]
-        return values
+        return self._of_joints([t])[0]
 
     def sample(self, times: Array) -> LoadHistory:
         """History of steps.   times: (steps, stages) [s]."""
@@ -242,10 +241,6 @@ class CompiledScene:
     def contacts(self) -> Any:
         """See `Contacts`, `GeneralContacts` and `NoContacts`."""
         return self.system.items.contacts
-
-    @property
-    def has_contacts(self) -> bool:
-        return len(self.contacts.records) > 0
 
     @property
     def remembers(self) -> bool:
@@ -352,7 +347,7 @@ class CompiledScene:
 
     def take_over(self, item: ChangedItem, value: Any) -> bool:
         """Whether the changed item is now what it is in Exudyn; joints that are moved are not looked at."""
-        if item[0] == "Object" and self.can_move(item[1]):
+        if item[0] == "Object" and self.numbers.can_move(item[1]):
             return True
         return bool(self.numbers.read_again(item, value, [system.items for system in self._systems]))
 
@@ -375,13 +370,13 @@ class CompiledScene:
 
     @property
     def ramp(self) -> dict[str, list[Any]]:
-        """See `PacedRun.ramp`."""
+        """See `CableRun.ramp`."""
         ramps, ramp = self.system.items.ramps, self.loads.ramp
         numbers = [own[: ramps.number[0]].tolist() for own in ramps[-4:]]
         return {"step": ramp.step, "numbers": numbers} if ramp and ramps.number[0] else {}
 
     def take_ramp(self, kept: Mapping[str, Any]) -> None:
-        """See `PacedRun.take_ramp`."""
+        """See `CableRun.take_ramp`."""
         ramp, ramps = self.loads.ramp, self.system.items.ramps
         if ramp:
             ramp.begin(*kept.get("step", NO_STEP))
@@ -396,10 +391,6 @@ class CompiledScene:
     def weigh(self) -> None:
         """Let masses that change be those of the configuration of mbs."""
         self.numbers.weigh([system.items for system in self._systems])
-
-    def can_move(self, number: int) -> bool:
-        """Whether the offset of a joint may be set between steps."""
-        return number in self._moved.joints
 
     def approach_joints(self, time: float, end: float, q: Array, tolerance: float) -> bool:
         """Let joints that are violated by more than the tolerance at (time, q) be fulfilled at `end` [s].

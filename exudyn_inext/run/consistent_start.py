@@ -42,8 +42,7 @@ def nearest_velocities(cable: Cable, q: Array, v: Array, time: float) -> Array:
     constraints = constraints_of_cable(cable)
     factor = factorise(mass_of_cable(cable), constraints.jacobian(at, time))
     change, _ = solve(factor, np.zeros(v.size), -constraints.rate(at, rates, time))
-    nearest: Array = v + change
-    return nearest
+    return v + change
 
 
 def warn_of_velocities(found: str, before: float, after: float) -> None:

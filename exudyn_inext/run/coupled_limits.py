@@ -21,7 +21,9 @@ from ..scene.small_vibrations import (
 from ..system import accelerate_and_project
 from .cable_run import CableRun
 from .divergence import explanation, listed
-from .mover import Mover, together
+from .moved_by_exudyn import MovedByExudyn
+from .moved_by_kernels import MovedByKernels
+from .mover import together
 from .paced_run import PacedRun
 from .redundancy import PULLED, held_straight
 from .step_control import MOST_PARTS, FrequencyFollower, Piece, StepControl, StepRule
@@ -48,7 +50,7 @@ class LimitedRun(PacedRun):
     frequency_of_states: of first order [rad/s], when the limit was looked at last.
     """
 
-    mover: Mover
+    mover: MovedByKernels | MovedByExudyn
     why_not: str
     indices: np.ndarray
     _scene: Any

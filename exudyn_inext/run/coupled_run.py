@@ -73,7 +73,9 @@ class CoupledRun(LimitedRun):
         scene.require_finite(self.state.v)
         self.start_correction = StartCorrection()
         try:
-            form, self.why_not = scene.compiled(start.time, self.state.q, self.state.v, self._evaluates_ends)
+            # where each step has one evaluation, at its end, loads may depend on the state there
+            looks_at_ends = self.integrator.stages == (1.0,) and not self.integrator.stabilised
+            form, self.why_not = scene.compiled(start.time, self.state.q, self.state.v, looks_at_ends)
             external = np.zeros(len(form.loads.constant) if form else 1)
             self.state = self.state._replace(external=external)
             given = scene, cable_runs, self.state, method
@@ -105,7 +107,7 @@ class CoupledRun(LimitedRun):
         return with_straight_cables(error, held_straight(self._scene, self.state.q))
 
     def _move_by(self, mover: MovedByKernels | MovedByExudyn) -> None:
-        self.mover: MovedByKernels | MovedByExudyn = mover
+        self.mover = mover
         self.looks_ahead, self.elsewhere, self.data = mover.looks_ahead, mover.elsewhere, mover.data
         for name in ("_kept", "_learned"):  # elsewhere is another place now
             self.__dict__.pop(name, None)
@@ -144,11 +146,6 @@ class CoupledRun(LimitedRun):
     @property
     def start_corrections(self) -> list[StartCorrection]:
         return [run.start_correction for run in self._runs] + [self.start_correction]
-
-    @property
-    def _evaluates_ends(self) -> bool:
-        """Whether each step has one evaluation, at its end: there, loads may depend on the state."""
-        return self.integrator.stages == (1.0,) and not self.integrator.stabilised
 
     @property
     def completes(self) -> bool:
@@ -203,7 +200,7 @@ class CoupledRun(LimitedRun):
     ) -> None:
         """Go on from the present state, at `time` [s], with items that were changed.
 
-        changed, line: see `Mover.take_values`.
+        changed, line: see `MovedByExudyn.take_values`.
         is_simple: whether they are loads, springs, masses, and joints that are moved, only.
         """
         if is_simple and self.mover.take_values(changed, line):
@@ -535,13 +532,11 @@ class CoupledRun(LimitedRun):
             return self.watch.is_well_at(piece.time(end), piece.h, self.state, is_checked)
         except (DivergenceError, RedundantConstraintError, OffCableError) as error:
             self._unsolvable = "" if isinstance(error, DivergenceError) else str(error)
-            self.watch.give_up(self.state)
-            return False
         except Exception as error:  # Exudyn's, in place of that of a user function
             if "OverflowError" not in str(error):
                 raise
-            self.watch.give_up(self.state)
-            return False
+        self.watch.give_up(self.state)
+        return False
 
     @property
     def finding(self) -> str:  # type: ignore[override]

@@ -70,7 +70,7 @@ class MovedByExudyn(Mover):
         return True
 
     def has_jumped(self, time: float) -> bool:
-        """See `Mover.has_jumped`."""
+        """Whether functions of the user have moved joints at once, before the step from `time` [s]."""
         if not self._scene.has_steered_joints:
             return False
         return float(np.abs(self._scene.native_items.present_violations(time, self._state.q)).max()) > JUMP
@@ -89,30 +89,47 @@ class MovedByExudyn(Mover):
         """Joints that have been moved stay where they are."""
         self._scene.native_items.approach.rest()
 
+    @property
+    def numbers(self) -> "MovedByExudyn":
+        """What says which items may be changed between steps, see `KnownNumbers`: here, itself."""
+        return self
+
     def can_move(self, number: int) -> bool:
-        """Whether the offset of a joint may be set between steps."""
+        """See `KnownNumbers`: here, of any joint."""
         return True
 
+    def has_same_entries(self, number: int) -> bool:
+        """See `KnownNumbers`: here, nothing depends on that."""
+        return True
+
+    def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> None:
+        """See `KnownNumbers`: nobody knows."""
+
     def moves_springs_alone(self, markers: Collection[int], objects: Collection[int]) -> bool:
-        """See `Mover.moves_springs_alone`."""
+        """See `KnownNumbers`."""
         joints = (joint.number for joint in self._scene.joints)
         return not self._scene.mbs.NumberOfGeneralContacts() and set(objects).isdisjoint(joints)
 
     @property
     def follows_contacts(self) -> bool:
-        remembers: bool = self._scene.native_items.remembers
-        return remembers
+        """Whether contact or friction may change the limit of the step as nobody knows before."""
+        return self._scene.native_items.remembers
 
     @property
     def depths_of_contacts(self) -> Array | None:
-        depths: Array | None = self._scene.native_items.depths_of_contacts
-        return depths
+        """Of these, see `NativeItems`."""
+        return self._scene.native_items.depths_of_contacts
 
     def can_weigh(self, item: ChangedItem) -> bool:
         parts = self._scene.parts_in_one
         return parts.form.numbers.can_weigh(item) if parts else self._scene.can_weigh(item)
 
     def take_values(self, changed: Mapping[Any, Any], line: Line | None = None) -> bool:
+        """Whether loads, springs and masses that were changed act now; otherwise some may.
+
+        changed: parameters, with their values.
+        line: along which loads and springs change in the next step of the loop; None: they jump.
+        """
         parts, masses = self._scene.parts_in_one, [it for it in changed.items() if self.can_weigh(it[0])]
         if masses and not parts:
             self._scene.read_masses_again()

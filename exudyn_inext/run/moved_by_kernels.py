@@ -1,6 +1,6 @@
 """A coupled scene that compiled kernels move: many steps in one call, of which mbs knows nothing."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
@@ -13,7 +13,7 @@ from ..errors import SceneError
 from ..integrators.integrator import Integrator
 from ..multibody.connectors import places_of_rubbing
 from .cable_run import CableRun
-from .compiled_scene import ChangedItem, CompiledScene
+from .compiled_scene import CompiledScene
 from .consistent_start import StartCorrection
 from .coupled_start import compiled_start, consistent_start
 from .coupled_watch import CoupledWatch
@@ -166,20 +166,9 @@ class MovedByKernels(Mover):
         self._scene.native_items.approach.rest()
         self._form.rest()
 
-    def can_move(self, number: int) -> bool:
-        return self._form.can_move(number)
-
-    def can_weigh(self, item: ChangedItem) -> bool:
-        return self._form.numbers.can_weigh(item)
-
-    def has_same_entries(self, number: int) -> bool:
-        return self._form.numbers.has_same_entries(number)
-
-    def moves_springs_alone(self, markers: Collection[int], objects: Collection[int]) -> bool:
-        return self._form.numbers.moves_springs_alone(markers, objects)
-
-    def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> set[int] | None:
-        return self._form.numbers.joints_to_move(markers, objects)
+    @property
+    def numbers(self) -> Any:
+        return self._form.numbers
 
     def take_values(self, changed: Mapping[Any, Any], line: Line | None = None) -> bool:
         return self._form.take_values(changed, line)

@@ -1,7 +1,7 @@
 """What both ways to move a coupled scene share: by compiled kernels, or with evaluations of Exudyn."""
 
 from bisect import bisect_left
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from typing import Any
 
@@ -12,9 +12,7 @@ from ..cable.cable import Cable
 from ..compiled import plain
 from ..integrators.integrator import Integrator
 from .cable_run import CableRun
-from .compiled_scene import ChangedItem
 from .joined_scene import EvaluatedScene
-from .ramp import Line
 from .step_control import ROUND_OFF
 
 FULFILLED = 1e-9  # violation of a joint [m, -] that needs no motion to be removed
@@ -54,16 +52,6 @@ class Mover:
         raise NotImplementedError
 
     @property
-    def follows_contacts(self) -> bool:
-        """Whether contact or friction may change the limit of the step as nobody knows before."""
-        raise NotImplementedError
-
-    @property
-    def depths_of_contacts(self) -> Array | None:
-        """Of these, see `NativeItems`."""
-        raise NotImplementedError
-
-    @property
     def approaches(self) -> bool:
         """Whether joints have moved through the last step, as they were changed."""
         raise NotImplementedError
@@ -81,48 +69,6 @@ class Mover:
     def cables(self) -> list[Cable]:
         """Models of the inextensible cables."""
         return [run.scene_cable.cable for run in self._runs]
-
-    def has_jumped(self, time: float) -> bool:
-        """Whether functions of the user have moved joints at once, before the step from `time` [s]."""
-        return False
-
-    @property
-    def ramp(self) -> dict[str, list[Any]]:
-        """See `PacedRun.ramp`."""
-        return {}
-
-    def take_ramp(self, kept: Mapping[str, Any]) -> None:
-        """See `PacedRun.take_ramp`."""
-
-    def take_values(self, changed: Mapping[Any, Any], line: Line | None = None) -> bool:
-        """Whether loads, springs and masses that were changed act now; otherwise some may.
-
-        changed: parameters, with their values.
-        line: along which loads and springs change in the next step of the loop; None: they jump.
-        """
-        raise NotImplementedError
-
-    def can_weigh(self, item: ChangedItem) -> bool:
-        """Whether a body may get that mass, inertia or centre of mass between steps."""
-        return False
-
-    def has_same_entries(self, number: int) -> bool:
-        """Whether matrices of an object are zero where they were, or nothing depends on that."""
-        return True
-
-    def moves_springs_alone(self, markers: Collection[int], objects: Collection[int]) -> bool:
-        """Whether these markers may get other places as springs and loads do other values.
-
-        objects: that act on the markers.
-        """
-        return False
-
-    def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> set[int] | None:
-        """Those that have to be built as moved ones before these markers may get other places.
-
-        objects: that act on the markers.   None: others act there, too, or they are markers of other kinds.
-        """
-        return None
 
     def settle(self, time: float) -> None:
         """Let what contact and friction remember agree with the state at the start of a run.

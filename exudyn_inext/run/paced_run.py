@@ -1,7 +1,6 @@
 """A run whose steps may go wrong: they are taken again, smaller, from the last good state."""
 
 import math
-from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -89,14 +88,6 @@ class PacedRun:
         return False
 
     @property
-    def ramp(self) -> dict[str, list[Any]]:
-        """Numbers that change along a line in the next step of the loop, as JSON has it; empty: none."""
-        return {}
-
-    def take_ramp(self, kept: Mapping[str, Any]) -> None:
-        """Let these numbers change so from now on; see `ramp`."""
-
-    @property
     def evaluated_by(self) -> str:
         """Who evaluates bodies and joints; empty where cables are alone."""
         return ""
@@ -132,11 +123,6 @@ class PacedRun:
                 "Likely cause: axial vibrations, which the steps did not resolve, hid energy that smaller "
                 f"ones set free: take stepSize = {step:.2g}, which resolves them from the start."
             )
-        return self._straightness
-
-    @property
-    def _straightness(self) -> str:
-        """Said of cables that something has pulled straight, where smaller steps have been tried."""
         return pulled_straight(self.straight_cables()) if self._rejects else ""
 
     def straight_cables(self) -> list[str]:
@@ -229,8 +215,7 @@ class PacedRun:
 
     def steps_before_rows(self, rows: Places) -> Array:
         """(k,) last step before some of the last states [s].   rows: (k,) rising, -1 is the last one."""
-        result: Array = self.steps_before(-int(rows[0]))[rows]
-        return result
+        return self.steps_before(-int(rows[0]))[rows]
 
     def record(self, grid: TimeGrid, first: int, history: Array) -> int:
         """As `advance`, but displacements from the reference."""
@@ -250,7 +235,8 @@ class PacedRun:
         """
         before, self.control.changed = self.control.changed, first
         intervals = most if begins else min(first - before, most)
-        if intervals < LEAST_REHEARSED or not self._is_rehearsed:
+        is_seen = self.looks_ahead or self.asks_ahead
+        if intervals < LEAST_REHEARSED or not (is_seen and self.watch.may_shorten):
             return
         if self.watch.stretches and self.looks_ahead:
             self._rehearse(grid, first, intervals)
@@ -278,10 +264,6 @@ class PacedRun:
         """As `rehearse`, where nobody knows how many steps follow.   duration: they take at most [s]."""
         steps = min(STEPS_REHEARSED, int(duration / grid.h))
         self.rehearse(grid, 0, steps // grid.substeps, begins=True)
-
-    @property
-    def _is_rehearsed(self) -> bool:
-        return bool((self.looks_ahead or self.asks_ahead) and self.watch.may_shorten)
 
     def change_step(self, h: float, time: float) -> None:
         """Prepare for steps of h [s] from the present state, at `time` [s]."""

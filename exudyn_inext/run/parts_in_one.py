@@ -68,8 +68,7 @@ class CompiledParts:
     @property
     def drift(self) -> Array:
         """(m,) c_t at the last evaluation."""
-        result: Array = -self._items.joints.rows["drift"]
-        return result
+        return -self._items.joints.rows["drift"]
 
     def rates(self, t: float, forces: Array, *arrays: Array) -> None:
         """See `index_reduced_rates`.   forces: (n,) see `NativeItems.act`."""
@@ -124,8 +123,7 @@ class CompiledParts:
         """J^T nu on one part, at the last evaluation.   dofs: its place."""
         total = np.zeros(len(self._items.force))
         subtract_joint_forces(self._items.joints, total)
-        result: Array = -total[dofs]
-        return result
+        return -total[dofs]
 
     def kinetic_energy_of_bodies(self, q: Array, v: Array) -> float:
         """[J], with velocities v (n,) at q (n,)."""

@@ -170,36 +170,20 @@ class RunWatch:
     def found(self) -> str:
         """What went wrong, and by how much."""
         watch, account = self.watch, self.watch.account[FAILED]
-        if account.trouble == CONSTRAINTS:
-            return (
-                f"inextensibility or another constraint is violated by {account.violation:.2g} "
-                f"(limit {LARGEST_VIOLATION:g})"
-            )
-        if account.trouble == ENERGY:
-            return (
-                f"it has more energy than the work done on it explains, by {account.error:.2%} of the energy "
-                f"of its motion (limit {watch.most:.2%})"
-            )
-        if account.trouble == LACK_OF_WORK:
-            return (
-                f"forces change so much within a step that their work is wrong by {account.error:.2%} of "
-                "the energy of its motion"
-            )
-        if account.trouble == UNSTABLE:
-            return (
-                f"the largest frequency of its motion is {account.error:.3g} times the one up to which the "
-                "step is stable"
-            )
-        if account.trouble == THROWN_OFF:
-            return f"contact throws a body off at {account.error:.3g} m/s, faster than it came, within a step"
-        if account.trouble == TURNED:
-            return (
-                f"a spring that counts turns is turned by {account.error:.3g} rad within a step "
-                f"(limit {MOST_TURN:.3g} rad)"
-            )
-        if account.trouble == JUMP:
-            return (
-                f"its energy jumps by more than {LARGEST_JUMP * watch.tolerance:.2%} of the energy of its "
-                "motion within a few steps"
-            )
-        return "its coordinates are not finite any more"
+        much = float(account.error)
+        said = {
+            CONSTRAINTS: "inextensibility or another constraint is violated by "
+            f"{account.violation:.2g} (limit {LARGEST_VIOLATION:g})",
+            ENERGY: f"it has more energy than the work done on it explains, by {much:.2%} of the energy of "
+            f"its motion (limit {watch.most:.2%})",
+            LACK_OF_WORK: "forces change so much within a step that their work is wrong by "
+            f"{much:.2%} of the energy of its motion",
+            UNSTABLE: f"the largest frequency of its motion is {much:.3g} times the one up to which the step "
+            "is stable",
+            THROWN_OFF: f"contact throws a body off at {much:.3g} m/s, faster than it came, within a step",
+            TURNED: f"a spring that counts turns is turned by {much:.3g} rad within a step (limit "
+            f"{MOST_TURN:.3g} rad)",
+            JUMP: f"its energy jumps by more than {LARGEST_JUMP * watch.tolerance:.2%} of the energy of its "
+            "motion within a few steps",
+        }
+        return said.get(int(account.trouble), "its coordinates are not finite any more")

@@ -69,5 +69,4 @@ class Steered:
 
 def _smaller(one: Array, other: Array) -> Array:
     """That which is nearer to zero, where both have the same sign; elsewhere zero."""
-    smaller: Array = np.maximum(np.minimum(one, other), np.minimum(np.maximum(one, other), 0.0))
-    return smaller
+    return np.maximum(np.minimum(one, other), np.minimum(np.maximum(one, other), 0.0))

@@ -457,7 +457,7 @@ def step_above_limit(
     limit = bounds.stability_limit
     if h <= limit * (1.0 + 1e-9):
         return None
-    remedies = [f"reduce the step below {_below(limit):.4g} s"]
+    remedies = [f"reduce the step below {0.999 * limit:.4g} s"]  # below it however that is rounded
     if limit == bounds.stabilisation:
         cause = "the constraint stabilisation"
         remedies = ["reduce the step or the stabilizationRate"]
@@ -473,11 +473,6 @@ def step_above_limit(
         f"stepSize = {h:.6g} s is above {limit:.6g} s, the stability limit of '{integrator}' for {cause}: "
         f"{', or '.join(remedies)}."
     )
-
-
-def _below(limit: float) -> float:
-    """A little less than the limit, however it is rounded [s]."""
-    return 0.999 * limit
 
 
 def _vibration(bounds: StepSizeBounds) -> tuple[str, list[str]]:

@@ -66,37 +66,13 @@ OF_MOTION = (
     *("largest_power", "error"),
 )  # numbers of an account that begin at zero
 
-ACCOUNT = record_type(
-    [
-        ("start", np.float64),
-        ("surplus", np.float64),
-        ("time", np.float64),
-        ("forces", np.float64),
-        ("speeds", np.float64),
-        ("phase", np.float64),
-        ("over_mesh", np.float64),
-        ("extent", np.float64),
-        ("floor", np.float64),
-        ("round_off", np.float64),
-        ("acceleration_energy", np.float64),
-        ("work", np.float64),
-        ("unsure", np.float64),
-        ("scatter", np.float64),
-        ("scattered", np.float64),
-        ("slope", np.float64),
-        ("largest_power", np.float64),
-        ("largest_kinetic", np.float64),
-        ("least_elastic", np.float64),
-        ("largest_elastic", np.float64),
-        ("error", np.float64),
-        ("gain", np.float64),
-        ("loss", np.float64),
-        ("violation", np.float64),
-        ("steps", np.int64),
-        ("ahead", np.int64),
-        ("trouble", np.int64),
-    ]
+_REAL = (
+    *("start", "surplus", "time", "forces", "speeds", "phase", "over_mesh", "extent", "floor", "round_off"),
+    *("acceleration_energy", "work", "unsure", "scatter", "scattered", "slope", "largest_power"),
+    *("largest_kinetic", "least_elastic", "largest_elastic", "error", "gain", "loss", "violation"),
 )
+_WHOLE = ("steps", "ahead", "trouble")
+ACCOUNT = record_type([(name, np.float64) for name in _REAL] + [(name, np.int64) for name in _WHOLE])
 
 
 class Watch(NamedTuple):

@@ -78,7 +78,8 @@ class BodiesSystem:
 
     def set_constant(self, blocks: Sequence[MassBlock]) -> None:
         """Blocks whose masses do not depend on the configuration."""
-        self._constant = _matrix_of_blocks(self._size, [_inverse(block) for block in blocks])
+        inverse = [MassBlock(block.dofs, np.asarray(np.linalg.inv(block.mass), float)) for block in blocks]
+        self._constant = _matrix_of_blocks(self._size, inverse)
         self._constant_mass = _matrix_of_blocks(self._size, blocks)
         self._entries = sum(block.mass.size for block in blocks) if self._size > _DENSE else 0
 
@@ -93,8 +94,7 @@ class BodiesSystem:
         """(k, k) memory of the variable mass of a block, by the first of its coordinates."""
         found = ((s, b) for s in self._variable for b in np.flatnonzero(s.dofs[:, 0] == first))
         stack, block = next(found)
-        mass: Array = stack.mass[block]
-        return mass
+        return stack.mass[block]
 
     def kinetic_energy(self, v: Array) -> float:
         """v . M v / 2 [J] with the masses at present.   v: (n,)."""
@@ -117,8 +117,7 @@ class BodiesSystem:
     @property
     def masses(self) -> Array:
         """(n,) diagonal of the mass at present."""
-        diagonal: Array = self.mass.diagonal()
-        return diagonal
+        return self.mass.diagonal()
 
     @property
     def mass(self) -> Any:
@@ -213,10 +212,6 @@ class BodiesSystem:
             worst = float(np.maximum(worst, np.abs(s.target).max()))  # unlike max, keeps a NaN
             s.drift_correction += learning * s.target
         return worst
-
-
-def _inverse(block: MassBlock) -> MassBlock:
-    return MassBlock(block.dofs, np.asarray(np.linalg.inv(block.mass), dtype=float))
 
 
 def _matrix_of_blocks(size: int, blocks: Sequence[MassBlock]) -> Any:

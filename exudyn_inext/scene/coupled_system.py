@@ -91,15 +91,13 @@ class CoupledSystem:
     def joint_force(self, dofs: slice) -> Array:
         """J^T nu on one part, at the last evaluation.   dofs: its place."""
         if self.in_one:
-            force: Array = self.in_one.joint_force(dofs)
-            return force
+            return self.in_one.joint_force(dofs)
         return self.solve.joint_force(self.multipliers, dofs)
 
     @property
     def drift(self) -> Array:
         """c_t (m,) of the joints at the last evaluation."""
-        drift: Array = self.in_one.drift if self.in_one else self._drift
-        return drift
+        return self.in_one.drift if self.in_one else self._drift
 
     def accelerate_joined(self, q: Array, acceleration: Array, target: Array) -> Array:
         """Let J a = target; returns what the damping of cables adds then, see `improve_damping` (n,)."""

@@ -2,7 +2,7 @@
 
 from .equilibrium import Equilibrium, StaticOptions, find_equilibrium
 from .joined_potential import JoinedPotential
-from .potential import Potential
+from .potential import Potential, support_forces
 from .stability import smallest_eigenvalue
 from .stretching import potential_of, potentials_of
 
@@ -15,4 +15,5 @@ __all__ = [
     "potential_of",
     "potentials_of",
     "smallest_eigenvalue",
+    "support_forces",
 ]

@@ -13,7 +13,10 @@ from ..cable.cable import Cable, CurvatureMeasure
 from ..cable.chain import Chain, build_chain
 from ..cable.many_cables import in_one
 from ..cable.sparse_forms import assembled, elastic_tangent, left_nodes, masses_of_elements
-from ..constraints import constraints_of_cables, kinds_of_cable
+from ..cable.support_forces import SupportForces
+from ..constraints import constraints_of_cable, constraints_of_cables, kinds_of_cable
+from ..constraints.kinds import HELD
+from ..constraints.prescribed_motion import KIND as MOTION
 from ..element.bending import stiffness_matrix
 from ..element.forms import forms_of_mesh
 from ..element.inextensibility import slope_gram_matrix
@@ -194,3 +197,20 @@ def _bow(cable: Cable, q: Array, load: Array, smallest: float) -> None:
     sag = BOW * cable.length / np.pi * across[chosen] / sizes[chosen]
     q[:, 0] += np.outer(np.sin(arc), sag)
     q[:, 1] += np.outer(np.cos(arc), sag * np.pi / cable.length)
+
+
+def support_forces(cable: Cable, q: Array, multipliers: Array, time: float) -> SupportForces:
+    """What supports and links do to a cable at rest, at q (n, 2, dim).
+
+    multipliers: (m,) of its constraints.   time: of its motions [s].
+    """
+    constraints = constraints_of_cable(cable)
+    of_links, held = np.zeros(len(cable.links)), np.zeros(constraints.number)
+    for kind in {link.kind for link in cable.links}:
+        of_links[[link.kind == kind for link in cable.links]] = multipliers[constraints.rows[kind]]
+    for kind in constraints.rows.keys() & {*HELD, MOTION}:
+        held[constraints.rows[kind]] = multipliers[constraints.rows[kind]]
+    on_coordinates: Array = (constraints.jacobian(q, time).T @ held).reshape(q.shape)
+    if cable.closed:
+        on_coordinates[0] += on_coordinates[-1]
+    return SupportForces(on_coordinates[np.newaxis], of_links[np.newaxis], np.zeros((1, q.size)))

@@ -98,14 +98,8 @@ class SteppedReader:
             if known.way:
                 known.way.rest()
 
-    def aims(self, changed: Mapping[Parameter, Any]) -> bool:
-        """Whether supports, and ends of rods, of cables alone were moved again, whose ways now lead there.
-
-        changed: parameters, with their values.
-        """
-        return all(self._aims(key, value) for key, value in changed.items())
-
-    def _aims(self, key: Parameter, value: Any) -> bool:
+    def aims(self, key: Parameter, value: Any) -> bool:
+        """Whether a support, or ends of rods, of cables alone were moved again, whose ways now lead there."""
         if (key.kind, key.name) == ("Object", "offset"):
             if key.number in self.drives:
                 return True
@@ -192,8 +186,7 @@ class SteppedReader:
         present = offset if self._step is None else self._displacement(movable.node)[axis]
 
         def place(offset: float) -> Array:
-            at: Array = (reference[axis] + offset) * along
-            return at
+            return (reference[axis] + offset) * along
 
         way = self._aimed(last, place(present), place(offset))
         return replace(movable, motion=way.motion), way, place

@@ -61,13 +61,13 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
     kind = data.get("objectType", "")
     if kind in ("", "Ground"):
         return _demand_of_place(mbs, coupled, own, key)
-    if key.is_mass and all(run.mover.can_weigh(key) for run in coupled):
+    if key.is_mass and all(run.mover.numbers.can_weigh(key) for run in coupled):
         return Demand.BEGIN
     if _JACOBIAN in mbs.ComputeItem(ObjectIndex(key.number)):
         return _demand_of_joint(coupled, own, key, data)
     is_force = "markerNumbers" in data  # of a connector, or contact
     if key.name in _FORCES.get(kind, ()):
-        is_force = all(run.mover.has_same_entries(key.number) for run in coupled)
+        is_force = all(run.mover.numbers.has_same_entries(key.number) for run in coupled)
     return Demand.EVALUATE if is_force else Demand.BUILD
 
 
@@ -83,7 +83,7 @@ def _demand_of_joint(
         return Demand.NOTHING
     if has_velocity:
         return Demand.DRIVE
-    return Demand.MOVE if all(run.mover.can_move(key.number) for run in coupled) else Demand.BUILD
+    return Demand.MOVE if all(run.mover.numbers.can_move(key.number) for run in coupled) else Demand.BUILD
 
 
 def _is_weight_of_cable(mbs: Any, number: int) -> bool:
@@ -101,9 +101,9 @@ def _demand_of_place(mbs: Any, coupled: Sequence[CoupledRun], own: Collection[in
         return Demand.READ
     users = {number for marker in markers for number in objects_at(mbs, marker)}
     others = users.difference(own)
-    if users == others and all(run.mover.moves_springs_alone(markers, users) for run in coupled):
+    if users == others and all(run.mover.numbers.moves_springs_alone(markers, users) for run in coupled):
         return Demand.EVALUATE
-    missing = [run.mover.joints_to_move(markers, others) for run in coupled]
+    missing = [run.mover.numbers.joints_to_move(markers, others) for run in coupled]
     if None in missing:
         return Demand.READ
     return Demand.BUILD if users != others or any(missing) else Demand.MOVE

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import starmap
 from typing import Any
 
 import numpy as np
@@ -161,7 +162,8 @@ class ChangeFollower:
         if weights and not _weigh(coupled, {key: changed[key] for key in weights}):
             return False
         values = {key: changed[key] for key in items}
-        if not all([run.mover.take_values(values, self._line_of(most)) for run in coupled]):
+        line = None if most == Demand.BEGIN else self._line  # masses jump, and what changes with them
+        if not all([run.mover.take_values(values, line) for run in coupled]):
             return False
         for run in coupled if most == Demand.BEGIN else ():
             start_after_jump(run, run.begin_again, time)
@@ -178,10 +180,6 @@ class ChangeFollower:
             self._sorted = keys, most, items, weights
         _, most, items, weights = self._sorted
         return most, items, weights
-
-    def _line_of(self, asked: Demand) -> Line | None:
-        """See `Mover.take_values`; masses jump, and what changes with them."""
-        return None if asked == Demand.BEGIN else self._line
 
     def _load_at_once(self, runs: Sequence[CableRun], changed: Mapping[Parameter, Any], time: float) -> bool:
         """As `_act_at_once`, for constant forces on nodes, and weights, of cables among nothing else."""
@@ -202,7 +200,7 @@ class ChangeFollower:
     ) -> bool:
         """Whether supports of cables among nothing else have moved on, or constant forces have changed."""
         alone, places = _alone(runs), {key: x for key, x in changed.items() if not _is_force(key)}
-        if not alone or not changed or not self.reader.aims(places):
+        if not (alone and changed and all(starmap(self.reader.aims, places.items()))):
             return False
         loads = _components({key: x for key, x in changed.items() if key not in places})
         if _loaded(alone, loads, self._line) is None:
@@ -231,9 +229,10 @@ class ChangeFollower:
     ) -> None:
         """See `CoupledRun.take_over`; whoever evaluates a run then may demand something else."""
         items, ways = self._acting(runs, changed), [run.evaluated_by for run in runs]
+        line = None if asked == Demand.BEGIN else self._line
         for run in runs:
             if isinstance(run, CoupledRun):
-                run.take_over(items, asked <= Demand.WEIGH, time, self._line_of(asked))
+                run.take_over(items, asked <= Demand.WEIGH, time, line)
         if ways != [run.evaluated_by for run in runs]:
             self._forget_demands()
 

@@ -18,8 +18,7 @@ def find_enforcement(given: Any) -> Enforcement:
         InputError: no such way.
     """
     if type(given) in ENFORCEMENTS.values():
-        way: Enforcement = given
-        return way
+        return given
     if isinstance(given, str) and given in ENFORCEMENTS:
         return ENFORCEMENTS[given]()
     raise InputError(

@@ -51,12 +51,8 @@ class Coordinates:
         """(n_dof, n_dof) -> (size, size), as `matrix`, in the form that costs Exudyn O(size)."""
         entries = nodal.tocoo()
         places = (entries.row % self.size, entries.col % self.size)
-        return sparse_container(scipy.sparse.csr_matrix((entries.data, places), shape=(self.size, self.size)))
-
-
-def sparse_container(matrix: SparseArray) -> exudyn.MatrixContainer:
-    """For Exudyn, whose sparse matrices may not hold zeros."""
-    matrix.eliminate_zeros()
-    container = exudyn.MatrixContainer()
-    container.SetWithSparseMatrix(matrix)
-    return container
+        matrix = scipy.sparse.csr_matrix((entries.data, places), shape=(self.size, self.size))
+        matrix.eliminate_zeros()  # which Exudyn's sparse matrices may not hold
+        container = exudyn.MatrixContainer()
+        container.SetWithSparseMatrix(matrix)
+        return container

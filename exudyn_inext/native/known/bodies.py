@@ -83,6 +83,28 @@ def read_body_records(
     return KnownBodies(records, numbers, changing, trees)
 
 
+class ChangingMass(NamedTuple):
+    """A mass that follows the configuration: Exudyn says it at each evaluation.
+
+    record: number of the body's one.   body: that Exudyn evaluates.   block: (k, k) its mass there.
+    """
+
+    record: int
+    body: Body
+    block: Array
+
+
+def weigh(mbs: Any, masses: Sequence[ChangingMass], memories: Sequence[Any]) -> None:
+    """Give records of bodies the masses of mbs's configuration.   memories: records of bodies, to be set."""
+    for record, body, block in masses:
+        size = len(block)
+        block[:] = body.mass(mbs)
+        inverse = np.linalg.inv(block)
+        for bodies in memories:
+            bodies["mass"][record, :size, :size] = block
+            bodies["inverse"][record, :size, :size] = inverse
+
+
 def first_order_records(first: int, number: int) -> Any:
     """(number,) records of first order states, as velocities of unit masses.   first: place of the first."""
     records = np.zeros(number, BODY)
@@ -196,18 +218,17 @@ def set_mass(body: Any, mass: Array) -> bool:
 
 def mass_of_parameters(data: dict[str, Any]) -> Array:
     """(6, 6) mass matrix, in its frame, of a mass point or rigid body, from the parameters of the object."""
-    given = {name.removeprefix("physics").lower(): value for name, value in data.items()}
-    mass, total, in_plane = np.zeros((6, 6)), given["mass"], data["objectType"].endswith("2D")
+    mass, total, in_plane = np.zeros((6, 6)), data["mass"], data["objectType"].endswith("2D")
     mass[range(3 - in_plane), range(3 - in_plane)] = total
-    if "inertia" not in given:
+    if "inertia" not in data:
         return mass
-    x, y, z = np.append(total * np.asarray(given["centerofmass"]), 0.0)[:3]
+    x, y, z = np.append(total * np.asarray(data["centerOfMass"]), 0.0)[:3]
     lever = np.array([[0, z, -y], [-z, 0, x], [y, -x, 0]])
     mass[:3, 3:], mass[3:, :3] = lever, lever.T
     if in_plane:
-        mass[5, 5] = given["inertia"]
+        mass[5, 5] = data["inertia"]
     else:
-        xx, yy, zz, yz, xz, xy = given["inertia"]
+        xx, yy, zz, yz, xz, xy = data["inertia"]
         mass[3:, 3:] = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
     return mass
 

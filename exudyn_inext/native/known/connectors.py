@@ -106,7 +106,7 @@ def _set_frames(data: dict[str, Any], name: str, places: list[Place], record: An
 
 def _rigid_body(data: dict[str, Any], name: str, places: list[Place], record: Any) -> None:
     _set_frames(data, name, places, record)
-    if data.get("useIntrinsicFormulation") or data.get("intrinsicFormulation"):
+    if data["useIntrinsicFormulation"]:
         record["kind"] = INTRINSIC
     record["stiffness"][:], record["damping"][:] = data["stiffness"], data["damping"]
     record["offset"][:] = data["offset"]

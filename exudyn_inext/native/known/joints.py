@@ -218,9 +218,10 @@ def _moved_joint(data: dict[str, Any], name: str, reader: PointReader, has_frame
     return replace(joint, is_moved=bool(data[OFFSET_FUNCTIONS[0]]))
 
 
-def _spherical(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+def _same_place(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+    """Of spherical joints, and of planar revolute ones."""
     joint = _joint(data, name, reader, has_frames=False)
-    return [joint.difference(i) for i in range(3)]
+    return [joint.difference(i) for i in range(2 if data["objectType"].endswith("2D") else 3)]
 
 
 def _revolute_z(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
@@ -252,11 +253,6 @@ def _generic(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
     return rows + turns
 
 
-def _revolute_2d(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
-    joint = _joint(data, name, reader, has_frames=False)
-    return [joint.difference(i) for i in range(2)]
-
-
 def _prismatic_2d(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
     joint = _joint(data, name, reader)
     along, normal = np.asarray(data["axisMarker0"]), np.asarray(data["normalMarker1"])
@@ -278,8 +274,7 @@ def _rolling_disc(data: dict[str, Any], name: str, reader: PointReader) -> list[
 def _coordinate(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
     joint = _moved_joint(data, name, reader, has_frames=False)
     offset = 0.0 if joint.is_moved else data["offset"]
-    factor = data.get("factor1", data.get("factorValue1", 1.0))
-    return [joint.row(DIFFERENCE, factor=factor, offset=offset, functions=(joint.place(0), -1))]
+    return [joint.row(DIFFERENCE, factor=data["factor1"], offset=offset, functions=(joint.place(0), -1))]
 
 
 def _of_vector(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
@@ -326,11 +321,11 @@ def _clamp(clamp: Clamp, reader: PointReader) -> list[Any]:
 
 
 _READERS: dict[str, Callable[..., list[Any]]] = {
-    "JointSpherical": _spherical,
+    "JointSpherical": _same_place,
     "JointRevoluteZ": _revolute_z,
     "JointPrismaticX": _prismatic_x,
     "JointGeneric": _generic,
-    "JointRevolute2D": _revolute_2d,
+    "JointRevolute2D": _same_place,
     "JointPrismatic2D": _prismatic_2d,
     "JointRollingDisc": _rolling_disc,
     "ConnectorDistance": _distance,

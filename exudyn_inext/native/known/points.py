@@ -10,7 +10,7 @@ from ...arrays import Array, collected, copies_of
 from ...element.shape_functions import first_derivatives, shape_functions
 from ...items.arguments import described
 from ...items.attach.inert import is_inert_cable
-from ...items.mass_points import mass_of_point, node_of_mass_point
+from ...items.mass_points import node_of_mass_point
 from ...multibody.points import (
     ANGLE,
     COORDINATE,
@@ -241,7 +241,7 @@ class PointReader:
     def mass(self, number: int) -> float:
         """Of a body or mass point [kg]."""
         if number not in self._of_bodies:
-            return mass_of_point(self._mbs.GetObject(number))
+            return float(self._mbs.GetObjectParameter(number, "mass"))
         return float(self.bodies[self._of_bodies[number]].mass[0, 0])
 
     def _of_node(self, number: int) -> tuple[list[int], dict[str, Any]]:
@@ -377,8 +377,7 @@ class PointReader:
 
 def _place_on_ground(position: Any, rotation: Any, local: Any) -> Array:
     """(3,) of a point `local` (3,) in the frame of an object."""
-    place: Array = position + np.asarray(rotation) @ local
-    return place
+    return position + np.asarray(rotation) @ local
 
 
 def _centre(body: Any) -> Array:

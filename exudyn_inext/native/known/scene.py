@@ -24,10 +24,16 @@ from ...multibody.scene import Items
 from ...run.compiled_scene import ChangedItem
 from ...run.load_functions import Asked
 from ...run.moved_offsets import MovedOffsets
-from ..changing_masses import ChangingMass, weigh
 from ..coordinates import CoordinateMap
 from ..evaluated_scene import SceneOfExudyn
-from .bodies import first_order_records, mass_of_parameters, read_body_records, set_mass
+from .bodies import (
+    ChangingMass,
+    first_order_records,
+    mass_of_parameters,
+    read_body_records,
+    set_mass,
+    weigh,
+)
 from .connectors import VALUES, KnownConnector, read_connector
 from .contacts import ContactReader
 from .general_contacts import read_general_contacts
@@ -175,8 +181,9 @@ class KnownNumbers:
             weigh(self._mbs, self.changing_masses, [memory.bodies for memory in memories])
 
     def can_weigh(self, item: ChangedItem) -> bool:
-        """See `Mover.can_weigh`: the mass must be that of the parameters, and no function its weight.
+        """Whether a body may get that mass, inertia or centre of mass between steps.
 
+        The mass must be that of the parameters, and no function its weight.
         That of a planar body becomes one that depends on its angle if its centre leaves the node.
         """
         number = item[1]
@@ -190,8 +197,15 @@ class KnownNumbers:
             return False
         return all(self._forces[load][1].function is None for load in self._weights.get(number, ()))
 
+    def can_move(self, number: int) -> bool:
+        """Whether the offset of a joint may be set between steps."""
+        return number in self.moved.joints
+
     def moves_springs_alone(self, markers: Collection[int], objects: Collection[int]) -> bool:
-        """See `Mover.moves_springs_alone`."""
+        """Whether these markers may get other places as springs and loads do other values.
+
+        objects: that act on the markers.
+        """
         return self._springs.keys() >= set(objects) and self._are_placeable(markers)
 
     def _are_placeable(self, markers: Collection[int]) -> bool:
@@ -199,7 +213,10 @@ class KnownNumbers:
         return all(map(self._reader.is_placeable, markers)) and not self._mbs.NumberOfGeneralContacts()
 
     def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> set[int] | None:
-        """See `Mover.joints_to_move`."""
+        """Those that have to be built as moved ones before these markers may get other places.
+
+        objects: that act on the markers.   None: others act there, too, or they are markers of other kinds.
+        """
         joints = set(objects) - self._springs.keys()
         if not (joints <= self._movable and self._are_placeable(markers)):
             return None
