@@ -56,7 +56,8 @@ class CableWatch(RunWatch):
         self._has_power = moves or is_damped or cable.drag is not None
         every = STEPS_WITH_POWER if self._has_power else STEPS_BETWEEN
         most = VIOLENT * energy_tolerance if gains_energy else np.inf
-        self.watch = build_watch(state, every, energy_tolerance, loads.pattern, LEAST_STEPS, most)
+        least = FIRST_STEPS if moves else LEAST_STEPS
+        self.watch = build_watch(state, every, energy_tolerance, loads.pattern, least, most)
 
     def open(self, system: Any, external: Array, state: Any) -> None:
         """Begin with a state that the integrator has just started from."""

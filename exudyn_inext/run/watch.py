@@ -57,6 +57,7 @@ MOST_PHASE = 2.0  # error of a vibration's place, over its amplitude
 WAITING = 0.25  # share of the run after which neither counts any more
 SHARE_OF_EXTENT = 0.3  # so that a phase error of 0.003 is one of 1 % of the extent
 SHARE_OF_POWER = 0.02  # that its sum over time may be wrong by
+SHARE_OF_TOLERANCE = 0.1  # that one interval may leave in doubt, before inspections come closer
 SCATTER = 4.0  # times its standard deviation may the work of forces be wrong
 
 NO_MESH = np.zeros(4)
@@ -219,7 +220,7 @@ def open_account(watch: Watch, state: Any, round_off: float) -> None:
         account[name] = 0.0
     account["acceleration_energy"] = watch.present_report[RESOLVED]
     account["unsure"] = account["round_off"] = round_off
-    account["ahead"] = watch.least
+    account["ahead"] = max(watch.least, min(watch.every, LEAST_STEPS))
     account["largest_kinetic"] = kinetic
     account["least_elastic"] = account["largest_elastic"] = elastic
     account["trouble"] = ALL_IS_WELL
@@ -253,17 +254,28 @@ def _add_work_of_loads(watch, constant, q):
 
 
 @inlined
-def _look_ahead(watch, duration):
-    """How well the power is known between inspections, and when the next one is due."""
+def _look_ahead(watch, steps, duration, turned_over):
+    """How well the power is known between inspections, and when the next one is due.
+
+    turned_over: energy that the motion has, so far [J].
+    """
     account, power = watch.account[NOW], watch.present_report[POWER]
     slope = (power - watch.energy_report[POWER]) / duration
     bend = duration * abs(slope - account.slope)
-    account.scatter += (duration / 8.0 * bend) ** 2  # enough for a power that falls to nothing at once
+    doubt = duration / 8.0 * bend  # enough for a power that falls to nothing at once
+    trembles = slope * account.slope < 0.0
     account.slope = slope
     account.largest_power = max(account.largest_power, abs(power))
-    if bend > BENT * account.largest_power:
-        account.ahead = max(min(watch.least, account.ahead), account.ahead // 2)
-    elif bend <= STRAIGHT * account.largest_power:
+    is_bent = bend > BENT * account.largest_power
+    if is_bent and steps < LEAST_STEPS:  # where a support stops, its last impulse is no power
+        doubt *= LEAST_STEPS / steps
+    account.scatter += doubt**2
+    least = watch.least if trembles else max(watch.least, LEAST_STEPS)
+    small = SHARE_OF_TOLERANCE * watch.tolerance * turned_over
+    is_clear = steps >= account.ahead and doubt <= STRAIGHT * small
+    if is_bent or (trembles and doubt > small):
+        account.ahead = max(min(least, account.ahead), account.ahead // 2)
+    elif bend <= STRAIGHT * account.largest_power and (is_clear or watch.least >= LEAST_STEPS):
         account.ahead = min(watch.every, 2 * account.ahead)
 
 
@@ -277,12 +289,12 @@ def _draw_up(watch, steps, duration):
     account, now = watch.account[NOW], watch.present_report
     by_power = 0.5 * (watch.energy_report[POWER] + now[POWER]) * duration
     account.work += by_power
-    _look_ahead(watch, duration)
     account.unsure += SHARE_OF_POWER * abs(by_power)
     account.largest_kinetic = max(account.largest_kinetic, now[KINETIC])
     account.least_elastic = min(account.least_elastic, now[ELASTIC])
     account.largest_elastic = max(account.largest_elastic, now[ELASTIC])
     turned_over = account.largest_kinetic + account.largest_elastic - account.least_elastic
+    _look_ahead(watch, steps, duration, turned_over)
     error = now[KINETIC] + now[ELASTIC] - account.start - account.work
     unresolved = 0.25 * (duration / steps) ** 2 * (account.acceleration_energy + now[RESOLVED])
     unsure = account.unsure + SCATTER * np.sqrt(account.scatter) + unresolved
