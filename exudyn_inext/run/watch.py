@@ -205,7 +205,12 @@ def go_back(watch: Watch, state: Any) -> None:
     account[FAILED] = account[NOW]
     account[NOW] = account[KEPT]
     account[NOW].trouble = account[FAILED].trouble
-    account[NOW].ahead = watch.least
+    account[NOW].ahead = _first_steps(watch)
+
+
+def _first_steps(watch: Watch) -> int:
+    """Before the first inspection."""
+    return max(watch.least, min(watch.every, LEAST_STEPS))
 
 
 def open_account(watch: Watch, state: Any, round_off: float) -> None:
@@ -220,7 +225,7 @@ def open_account(watch: Watch, state: Any, round_off: float) -> None:
         account[name] = 0.0
     account["acceleration_energy"] = watch.present_report[RESOLVED]
     account["unsure"] = account["round_off"] = round_off
-    account["ahead"] = max(watch.least, min(watch.every, LEAST_STEPS))
+    account["ahead"] = _first_steps(watch)
     account["largest_kinetic"] = kinetic
     account["least_elastic"] = account["largest_elastic"] = elastic
     account["trouble"] = ALL_IS_WELL
@@ -267,8 +272,6 @@ def _look_ahead(watch, steps, duration, turned_over):
     account.slope = slope
     account.largest_power = max(account.largest_power, abs(power))
     is_bent = bend > BENT * account.largest_power
-    if is_bent and steps < LEAST_STEPS:  # where a support stops, its last impulse is no power
-        doubt *= LEAST_STEPS / steps
     account.scatter += doubt**2
     least = watch.least if trembles else max(watch.least, LEAST_STEPS)
     small = SHARE_OF_TOLERANCE * watch.tolerance * turned_over
