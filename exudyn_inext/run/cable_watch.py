@@ -27,7 +27,7 @@ from .watch import (
 )
 
 ROUND_OFF = 1e3 * np.finfo(float).eps
-FIRST_STEPS = 1  # before the first inspection
+FIRST_STEPS = 1  # before the first inspection, and between two where the power of a support trembles
 SUDDEN = 2.0  # times its strain at rest under a load is that of a cable whose load begins at once
 
 

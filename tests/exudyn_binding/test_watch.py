@@ -174,7 +174,7 @@ def end_of_shaken_bar(is_native, steps, **settings):
 @pytest.mark.filterwarnings("ignore:.*have been projected onto the constraints")
 @pytest.mark.parametrize("step", [1.25e-5, 5e-6, 2.5e-6])
 def test_power_of_a_support_that_trembles_is_no_jump_of_the_energy(step):
-    """Steps were rejected 4 to 9 times, and those of 5e-6 s were said to diverge."""
+    """Steps were rejected, or said to gain energy, and those of 5e-6 s to diverge."""
     end, report = end_of_shaken_bar(False, 400, stepSize=step, massScaling=0.3, rejectSteps=True)
     expected, _ = end_of_shaken_bar(True, 4000)
     assert report["rejections"] == 0

@@ -66,6 +66,15 @@ def watched(mbs, *nodes):
     ]
 
 
+def move(mbs, solve, settings, **explicit):
+    """By `solve`; False: by Exudyn's own solver."""
+    if solve:
+        solve(mbs, settings=settings, **explicit)
+    else:
+        with silence():
+            mbs.SolveDynamic(settings)
+
+
 def require_the_same(new_mbs, solve, build, number_of_cables=1, extensible=True, atol=1e-9):
     """build(mbs, replaced) -> sensors, which show the same whichever way the cables came about."""
     found = []
@@ -190,12 +199,7 @@ def test_it_moves_as_the_native_elements_do(new_mbs, solve, dim, start):
         if replaced:
             ReplaceNativeCables(mbs)
         mbs.Assemble()
-        settings = quiet_settings(0.3, 300, 0.05)
-        if replaced:
-            solve(mbs, settings=settings)
-        else:
-            with silence():
-                mbs.SolveDynamic(settings)
+        move(mbs, replaced and solve, quiet_settings(0.3, 300, 0.05))
         found.append(trajectory(mbs, tip)[:, 1:])
     np.testing.assert_allclose(found[0], found[1], atol=2e-3)  # of 0.4 m
 
@@ -240,12 +244,7 @@ def test_elements_that_branch_move_as_the_native_ones_do(new_mbs, solve, build):
         if replaced:
             ReplaceNativeCables(mbs)
         mbs.Assemble()
-        settings = quiet_settings(0.3, 300, 0.05)
-        if replaced:
-            solve(mbs, settings=settings, stepSize=5e-5)
-        else:
-            with silence():
-                mbs.SolveDynamic(settings)
+        move(mbs, replaced and solve, quiet_settings(0.3, 300, 0.05), stepSize=5e-5)
         found.append(np.array([trajectory(mbs, sensor)[:, 1:] for sensor in sensors]))
     np.testing.assert_allclose(found[0], found[1], atol=2e-3)
     assert np.abs(found[0] - found[0][:, :1]).max() > 0.3
@@ -292,12 +291,7 @@ def test_velocities_that_step_functions_set_hold_where_cables_share_a_node(new_m
         if replaced:
             ReplaceNativeCables(mbs)
         mbs.Assemble()
-        settings = quiet_settings(0.3, 300 if replaced else 3000, 0.05)
-        if replaced:
-            solve(mbs, settings=settings)
-        else:
-            with silence():
-                mbs.SolveDynamic(settings)
+        move(mbs, replaced and solve, quiet_settings(0.3, 300 if replaced else 3000, 0.05))
         found.append(trajectory(mbs, tip)[:, 1:])
     np.testing.assert_allclose(found[0], found[1], atol=1e-3)  # of 0.3 m
     assert np.abs(found[1]).max() > 0.2
