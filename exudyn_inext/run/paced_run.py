@@ -20,6 +20,7 @@ HIDING_PARTS = 16  # of the nominal step, from which on steps that go wrong are 
 LEAST_REHEARSED = 4  # intervals of the loop
 STEPS_OF_MOTION, FAST = (64, 256), 0.1  # that show how fast a motion begins; by step [rad]
 STEPS_REHEARSED = 1000  # at most, of a run that goes on portion by portion
+SHORTER = 0.9  # times the step before, from which on it sets axial vibrations free
 LONGER = 4.0  # times the step, with which accelerations are compared
 SMALLEST_PARTS = 256  # and up to which all are, where no smaller ones for a while go well
 
@@ -270,12 +271,20 @@ class PacedRun:
         before = self.control.present
         if abs(h - before) <= ROUND_OFF * h:
             return
+        if h < SHORTER * before and self._frees_waves:
+            self._leave_out_waves(time)
         self.set_step(h)
         if self.has_implicit_bending or not before:
             self.start_scheme(time)
         elif before:
             self.integrator.change_step(self.state, h / before)
         self.watch_on(time)
+
+    @property
+    def _frees_waves(self) -> bool:
+        """Whether shorter steps go on from longer ones that may hide axial vibrations."""
+        is_given = not self.watch.may_shorten  # others begin again
+        return bool(self.watch.stretches and (is_given or self.control.follower is not None))
 
     def reject(self, time: float, begins: bool) -> bool:
         """After steps that went wrong, in the state before them, at `time` [s]: take smaller ones.

@@ -129,7 +129,8 @@ class FrequencyFollower:
     def nominal_step(self, log: Any, time: float, remaining: float) -> float:
         """Largest step that is allowed now [s]; 0 if only a run that has diverged asks for so small a one.
 
-        time: at present [s].   remaining: of the interval [s].
+        log: of a `StepControl`, whose divisor counts here, too.   time: at present [s].
+        remaining: of the interval [s].
         """
         limit, safety, largest = self._rule.tolist()
         if log.steps >= log.due:
@@ -141,7 +142,7 @@ class FrequencyFollower:
             log.pause = max(self._least, min(2 * log.pause, self._most) if is_calm else 0)
             log.frequency, log.due = frequency, log.steps + log.pause
             log.allowed = safety * limit / max(frequency + growth, 1e-300)
-        step = min(log.allowed, largest, remaining)
+        step = min(min(log.allowed, largest) / log.divisor, remaining)
         log.first = log.first or step
         return step if step > SMALLEST * min(log.first, remaining) else 0.0
 
