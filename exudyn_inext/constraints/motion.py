@@ -166,7 +166,7 @@ def jump_of_velocity(motion: Motion, t: float) -> float:
 def require_smooth(motion: Motion, t: float, name: str) -> None:
     """Raise InputError unless the motion has at t [s] the derivatives that it states.
 
-    It may begin there: then they are those after it.
+    It may begin there: then they are those after it. Where it ends, its acceleration may jump.
 
     Args:
         motion: to be checked.   t: time [s].   name: culprit for messages.
@@ -178,9 +178,10 @@ def require_smooth(motion: Motion, t: float, name: str) -> None:
             "and differentiable twice there."
         )
 
-    begins = differences_and_side(lambda s: motion.at(s)[0], t)[1] > 0
-    for order, what in ((0, "velocity"), (1, "acceleration")):
-        _require_derivative(motion, t, order, what, name, begins)
+    side = differences_and_side(lambda s: motion.at(s)[0], t)[1]
+    orders = ("velocity", "acceleration") if side >= 0 else ("velocity",)
+    for order, what in enumerate(orders):
+        _require_derivative(motion, t, order, what, name, begins=side > 0)
 
 
 def _require_derivative(motion: Motion, t: float, order: int, what: str, name: str, begins: bool) -> None:

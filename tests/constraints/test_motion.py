@@ -113,6 +113,12 @@ def test_a_quick_ramp_has_its_derivatives_where_it_begins(duration, rests_before
     require_smooth(motion, 0.0, "the ramp")
 
 
+def test_a_run_may_begin_where_a_motion_ends_unless_its_velocity_jumps_there():
+    require_smooth(motion_of(lambda t: [min(t - T, 0.0) ** 2, 2.5]), T, "the ramp")
+    with pytest.raises(InputError, match="the ramp is not smooth at t = .* its velocity jumps by 0.3"):
+        require_smooth(motion_of(lambda t: [0.3 * min(t - T, 0.0)]), T, "the ramp")
+
+
 @pytest.mark.parametrize("side", [1.0, 0.0, -1.0])
 def test_differences_are_exact_up_to_the_fourth_power(side):
     coefficients = [1.0, -2.0, 3.0, -4.0, 5.0]
