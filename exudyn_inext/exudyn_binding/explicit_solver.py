@@ -84,7 +84,9 @@ class ExplicitSolver(_NativeSolver):
         finalize(self, self._open.close)
 
     def InitializeSolver(self, mbs: Any, simulationSettings: Any) -> bool:
-        """Begin, or begin anew, from the initial configuration; the scene is read at the first time.
+        """Begin, or begin anew, from the initial configuration.
+
+        The scene is read at the first time, and after an error.
 
         Raises:
             InputError, SceneError, StepSizeError, RedundantConstraintError: see SolveExplicit.
@@ -97,7 +99,7 @@ class ExplicitSolver(_NativeSolver):
         sensors = [mbs.GetSensor(number) for number in range(mbs.systemData.NumberOfSensors())]
         require_writable_outputs(settings, sensors)
         loop = self._loop
-        if loop is None or loop.mbs is not mbs or not loop.is_as_built:
+        if loop is None or loop.mbs is not mbs or loop.error is not None or not loop.is_as_built:
             self._close()
             loop = self._build(mbs, settings, sensors)
         else:

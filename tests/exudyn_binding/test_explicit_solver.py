@@ -373,6 +373,24 @@ def test_after_a_divergence_it_can_be_initialised_again():
     np.testing.assert_array_equal(driven.begin().step(), first)
 
 
+def test_after_an_error_of_a_user_function_the_scene_is_read_again():
+    def pull(mbs, t, load):
+        if fails and t > PERIOD:
+            raise ArithmeticError("no force")
+        return load
+
+    fails, driven = True, Driven(loadVectorUserFunction=pull)
+    set_load = driven.mbs.SetLoadParameter  # bound before the solver listens
+    driven.begin()
+    with pytest.raises(ArithmeticError, match="no force"):
+        driven.step(period=2 * PERIOD)
+    fails, driven.settings.timeIntegration.endTime = False, 0.0
+    set_load(driven.load, "loadVector", [0, 1.0, 0])
+    other = Driven(loadVectorUserFunction=pull)
+    other.mbs.SetLoadParameter(other.load, "loadVector", [0, 1.0, 0])
+    np.testing.assert_array_equal(driven.begin().step(), other.begin().step())
+
+
 def test_without_cables_native_bodies_are_moved():
     driven = Driven.__new__(Driven)
     driven.add_items = lambda: driven.mbs.CreateMassPoint(mass=2.0, gravity=[0, 0, -9.81])
