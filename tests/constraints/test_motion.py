@@ -115,7 +115,7 @@ def test_a_quick_ramp_has_its_derivatives_where_it_begins(duration, rests_before
 
 def test_a_run_may_begin_where_a_motion_ends_unless_its_velocity_jumps_there():
     require_smooth(motion_of(lambda t: [min(t - T, 0.0) ** 2, 2.5]), T, "the ramp")
-    with pytest.raises(InputError, match="the ramp is not smooth at t = .* its velocity jumps by 0.3"):
+    with pytest.raises(InputError, match=r"the ramp is not smooth at t = .* its velocity jumps by 0.3"):
         require_smooth(motion_of(lambda t: [0.3 * min(t - T, 0.0)]), T, "the ramp")
 
 
