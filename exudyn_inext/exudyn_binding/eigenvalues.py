@@ -9,15 +9,18 @@ from ..arrays import Array
 from ..checks import LARGEST_NUMBER_OF_ITEMS, require_finite, require_integer
 from ..errors import SceneError
 from ..items.arguments import simulation_settings
+from ..native.coupled_scene import CoupledScene
 from ..scene.model import Scene
+from ..statics import JoinedPotential
 from ..statics.static_system import StaticSystem
-from ..statics.vibrations import balance, vibrations
+from ..statics.vibrations import balance, shares_of, vibrations
 from .reports import EigenvalueReport
 from .scene import assemble, initial_states
 from .scene_runs import needs_coupling
 from .static_solver import cable_at_rest, scene_at_rest, scene_of
 
 AT_REST = 1e-5  # force that is left unbalanced, over the largest load
+MISSED = 0.05  # of the stiffness in a vibration, which forces without a potential may be [-]
 ON_CONSTRAINTS = 1e-6  # violation of these [-, m]
 
 
@@ -45,8 +48,9 @@ def ComputeEigenvalues(
 
     Raises:
         InputError: arguments of another kind, or out of range.
-        SceneError: mbs is not at rest, cannot be assembled, or shall not, contains what is not supported, or
-            has redundant constraints.
+        SceneError: mbs is not at rest, cannot be assembled, or shall not, contains what is not supported, has
+            redundant constraints, or loads whose dependence on the state has no potential (bodyFixed forces,
+            torques in space, functions that look at other nodes), where this matters.
 
     Example:
         SolveEquilibrium(mbs)
@@ -85,7 +89,10 @@ def _of_cables(mbs: Any, scene: Scene, time: float, number: int) -> Iterator[tup
 def _of_scene(mbs: Any, scene: Scene, time: float, number: int) -> Iterator[tuple[Array, Array]]:
     """As `_of_cables`, of all that moves together."""
     with scene_at_rest(mbs, scene, time) as (joined, _, potential, start, _):
-        yield _of_system(mbs, potential, start, joined.map.indices, number, "the scene")
+        places = joined.map.indices
+        values, vectors = _of_system(mbs, potential, start, places, number, "the scene")
+        _require_potential(potential, start, values, vectors[places].T, joined)
+        yield values, vectors
 
 
 def _of_system(
@@ -104,6 +111,28 @@ def _of_system(
     vectors = np.zeros((mbs.systemData.ODE2Size(), len(values)))
     vectors[indices] = own.T
     return values, vectors
+
+
+def _require_potential(
+    system: JoinedPotential, q: Array, values: Array, vectors: Array, joined: CoupledScene
+) -> None:
+    """Raise SceneError, with the node, if forces change in a vibration as no potential has it.
+
+    vectors: (k, n) vibrations about q.   joined: names its coordinates.
+    """
+    multipliers, _ = balance(system, q)
+    missed = system.missed_forces(q, multipliers, vectors)
+    shares = shares_of(missed, system, q, multipliers, values)
+    number = int(np.argmax(shares))
+    if shares[number] > MISSED:
+        place = joined.map.indices[int(np.argmax(np.abs(missed[number])))]
+        raise SceneError(
+            f"forces on {joined.coordinate_name(place)} depend on the state as no potential has it, "
+            f"which is {shares[number]:.2g} of the stiffness in vibration {number} (limit {MISSED:g}): "
+            "bodyFixed forces, torques in space and functions that look at other nodes make no symmetric "
+            "stiffness. Put constant forces in their place, with bodyFixed=False, or let SolveExplicit show "
+            "how the scene vibrates."
+        )
 
 
 def _require_rest(system: StaticSystem, q: Array, left: float, name: str) -> None:

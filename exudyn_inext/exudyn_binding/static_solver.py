@@ -153,7 +153,9 @@ def SolveEquilibrium(
         'smallestEigenvalue' of the constrained Hessian over the mass [1/s^2] (its root is the lowest
         natural frequency), each the worst of all cables, and 'cables' (the same for each one, with its
         'coordinates'); among bodies and joints the figures are those of the whole scene. A body that is free
-        to turn about an axis has an eigenvalue of zero there, within round-off.
+        to turn about an axis has an eigenvalue of zero there, within round-off. Of loads without a potential,
+        as bodyFixed ones, 'smallestEigenvalue' contains the symmetric part alone; ComputeEigenvalues refuses
+        them where they matter.
 
     Raises:
         InputError: arguments of another kind, or more than one load step among bodies, springs and joints.

@@ -200,17 +200,13 @@ class JoinedPotential(StaticSystem):
 
     def _of_others(self, q: Array, nu: Array) -> SparseArray:
         """Derivatives of G, by central differences; those of forces on bodies along cables by symmetry."""
-
-        def out_of_balance(at: Array) -> Array:
-            return self._others.pulls(at, nu) - self._others.force(at)
-
         values = [np.zeros(0)]
         for one in self._rounds:
             moved = q.copy()
             moved[one.places] += STEP
-            after = out_of_balance(moved)
+            after = self._out_of_balance(moved, nu)
             moved[one.places] -= 2.0 * STEP
-            values.append((after - out_of_balance(moved))[one.rows] / (2.0 * STEP))
+            values.append((after - self._out_of_balance(moved, nu))[one.rows] / (2.0 * STEP))
         none = np.zeros(0, np.int64)
         rows = np.concatenate([none, *(one.rows for one in self._rounds)])
         columns = np.concatenate([none, *(one.columns for one in self._rounds)])
@@ -219,6 +215,25 @@ class JoinedPotential(StaticSystem):
         places = np.append(rows, columns[above]), np.append(columns, rows[above])
         found = scipy.sparse.csr_array((np.append(entries, entries[above]), places), (len(q), len(q)))
         found.eliminate_zeros()
+        return found
+
+    def _out_of_balance(self, q: Array, nu: Array) -> Array:
+        """G (n,) of other items.   nu: (m,) of joints."""
+        return self._others.pulls(q, nu) - self._others.force(q)
+
+    def missed_forces(self, q: Array, multipliers: Array, steps: Array) -> Array:
+        """(k, n) that resist small steps (k, n), and are not in the symmetric part of the Hessian.
+
+        They are of loads without a potential, and of functions that look at other places than their own.
+        """
+        nu = multipliers[len(multipliers) - self._number_of_joints :]
+        known = self._of_others(q, nu)
+        found = -0.5 * ((known + known.T) @ steps.T).T
+        for own, step in zip(found, steps, strict=True):
+            largest = float(np.abs(step).max())
+            moved = STEP / largest * step
+            change = self._out_of_balance(q + moved, nu) - self._out_of_balance(q - moved, nu)
+            own += change * largest / (2.0 * STEP)
         return found
 
     def multipliers_of_cables(self, multipliers: Array) -> list[Array]:

@@ -51,6 +51,26 @@ def vibrations(system: StaticSystem, q: Array, multipliers: Array, number: int) 
     return values, (basis @ vectors).T
 
 
+def shares_of(missed: Array, system: StaticSystem, q: Array, multipliers: Array, values: Array) -> Array:
+    """What forces that the Hessian misses do in vibrations, over what stiffness and inertia do (k,) [-].
+
+    Both are measured by the work of the forces along what they move, so that the mesh does not matter.
+
+    Args:
+        missed: (k, n) forces in vibrations x with x . M x = 1.
+        system: at rest at q, with these multipliers.   values: (k,) w^2 of the vibrations [1/s^2].
+    """
+    shares = np.zeros(len(values))
+    hessian, jacobian = system.hessian(q, multipliers), system.jacobian(q)
+    hessian = 0.5 * (hessian + hessian.T)
+    for k in np.flatnonzero(missed.any(axis=1)):
+        level = abs(values[k]) - 2.0 * min(values[0], 0.0) + SHIFT * system.shift
+        factor = factorise(hessian + level * system.mass, jacobian, system.order)
+        moved, _ = solve(factor, missed[k], np.zeros(jacobian.shape[0]))
+        shares[k] = np.sqrt(abs((missed[k] * moved).sum()) / level)
+    return shares
+
+
 def _by_lanczos(system: StaticSystem, hessian: Any, jacobian: Any, number: int) -> tuple[Array, Array]:
     """See `vibrations`."""
     size, zero, shift = hessian.shape[0], np.zeros(jacobian.shape[0]), -SHIFT * system.shift

@@ -10,6 +10,7 @@ from exudyn.itemInterface import (
     MarkerBodyPosition,
     MarkerBodyRigid,
     MarkerNodePosition,
+    MarkerNodeRigid,
     ObjectANCFCable,
     ObjectANCFCable2D,
     SphericalJoint,
@@ -227,3 +228,38 @@ def test_redundant_joints_are_refused(mbs):
     mbs.Assemble()
     with pytest.raises(SceneError, match="redundant"):
         ComputeEigenvalues(mbs)
+
+
+@pytest.mark.parametrize("kind", ["bodyFixed", "function"])
+def test_loads_without_a_potential_are_refused_with_a_remedy_that_works(new_mbs, kind):
+    """A column that a force presses along its end; a force in the middle that the place of the end tells."""
+
+    def column(follows):
+        mbs, section = new_mbs(), InextensibleCable(0.2, 0.05, axialStiffness=2e4)
+        cable = add_cable(
+            mbs,
+            positionEnd=[1, 0, 0],
+            numberOfElements=8,
+            beamTemplate=section,
+            gravity=[0, 0, 0],
+            groundConstraintsStart=[True] * 4,
+        )
+        at = {"bodyFixed": 8, "function": 4}[kind]
+        marker, tip = mbs.AddMarker(MarkerNodeRigid(nodeNumber=cable["nodes"][at])), cable["nodes"][8]
+        load = {"loadVector": [-0.1, 0, 0], "bodyFixed": follows}
+        if kind == "function":
+            position = exudyn.OutputVariableType.Position
+            load = {"loadVector": [0, 0, 0]}
+            if follows:
+                load["loadVectorUserFunction"] = lambda m, t, v: [0, -m.GetNodeOutput(tip, position)[1], 0]
+        mbs.AddLoad(LoadForceVector(markerNumber=marker, **load))
+        mbs.Assemble()
+        SolveEquilibrium(mbs)
+        return mbs
+
+    mbs = column(follows=True)
+    with pytest.raises(
+        SceneError, match=r"node \d.* no potential has it, which is .* \(limit .*bodyFixed=False"
+    ):
+        ComputeEigenvalues(mbs, numberOfEigenvalues=1)
+    assert ComputeEigenvalues(column(follows=False), numberOfEigenvalues=1)["eigenvalues"][0] > 0.0
