@@ -75,7 +75,7 @@ def test_the_time_to_go_is_that_of_the_steps_that_are_left(printed):
 
 @pytest.mark.parametrize("limit, loop_steps", [(1.0, STEPS), (1e-9, 0)])
 def test_a_run_ends_at_the_timeout_of_exudyn_and_not_before(limit, loop_steps, printed, monkeypatch):
-    """Exudyn's clock goes since it was imported, longer than the first limit [s]; the run takes some 10 ms."""
+    """Exudyn's clock goes since its import, longer than the first limit [s]; the run takes some 10 ms."""
     printed(0)  # compiles
     monkeypatch.setattr(exudyn.special.solver, "timeout", limit)
     reports = []
