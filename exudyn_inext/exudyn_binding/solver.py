@@ -254,7 +254,7 @@ def _solve(
             "success": True,
             "integrator": explicit.integratorName,
             "stepSize": min(control.smallest for control in controls),
-            "meanStepSize": loop.time_of_steps / steps,
+            "meanStepSize": loop.time_of_steps / max(steps, 1),
             "steps": steps,
             "rejections": sum(control.rejections for control in controls),
             "massScaling": explicit.massScaling or 0.0,
@@ -295,6 +295,7 @@ def _solve_system(solver: Any, mbs: Any, settings: Any, header: str) -> bool:
     begin, data = perf_counter(), mbs.systemData
     if not initialized(solver, lambda: solver.InitializeSolver(mbs, settings), settings, header):
         return False
+    solver.timer.total = -solver.output.cpuStartTime  # exudyn.special.solver.timeout counts from there
     data.SetAECoordinates(data.GetAECoordinates(exudyn.ConfigurationType.Initial))
     success = bool(solver.SolveSteps(mbs, settings))
     solver.timer.total = perf_counter() - begin

@@ -353,11 +353,12 @@ def warn_of_damping(choice: StepChoice, duration: float) -> None:
     bounds = choice.bounds
     bounds_step = choice.decided_by == "bending" and bounds.bending < duration
     if bounds_step and _is_lowered_by_damping(bounds):
+        other = "" if choice.explicit.integratorName == "RATTLE" else ", or take integrator='RATTLE'"
         warnings.warn(
             f"damping of {bounds.damping:.3g} 1/s at {bounds.cable} bounds the step to {bounds.bending:.3g} "
             f"s, where {bounds.undamped:.3g} s hold without it: dashpots that Exudyn evaluates, or whose "
             "axes are coupled, drag, also by functions of loads, and under RK4 all dashpots and bending "
-            "damping are explicit; let these damp less, or take integrator='RATTLE'.",
+            f"damping are explicit; let these damp less{other}.",
             stacklevel=3,
         )
 

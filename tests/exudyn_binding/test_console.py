@@ -71,3 +71,15 @@ def test_the_time_to_go_is_that_of_the_steps_that_are_left(printed):
     to_go = dict(re.findall(r"STEP(\d+), t = \S+ timeToGo = (\S+)s", printed(2, WAIT)))
     left = 5 * WAIT
     assert left < float(to_go[str(STEPS - 5)]) < 4.0 * left
+
+
+@pytest.mark.parametrize("limit, loop_steps", [(1.0, STEPS), (1e-9, 0)])
+def test_a_run_ends_at_the_timeout_of_exudyn_and_not_before(limit, loop_steps, printed, monkeypatch):
+    """Exudyn's clock goes since its import, longer than the first limit [s]; the run takes some 10 ms."""
+    printed(0)  # compiles
+    monkeypatch.setattr(exudyn.special.solver, "timeout", limit)
+    reports = []
+    printed(0, explicit=lambda mbs, settings: reports.append((SolveExplicit(mbs, settings), mbs)))
+    ((report, mbs),) = reports
+    assert mbs.systemData.GetTime() == pytest.approx(0.1 * loop_steps / STEPS)
+    assert (report["steps"] > 0) == (report["meanStepSize"] > 0.0) == (loop_steps > 0)
