@@ -228,7 +228,7 @@ def _compare_contacts(scene: SceneOfExudyn, form: CompiledScene, t: float, q: Ar
 def _compare_joints(scene: SceneOfExudyn, wanted: Array, found: Array, size: float, speed: float) -> None:
     """wanted, found: (states, 4, m).   size, speed: largest coordinate and velocity, at least 1."""
     gamma, drift = np.abs(found[:, 2:]).max(axis=(0, 2)).tolist()
-    gamma, drift = OF_DIFFERENCES * max(size * speed**2, gamma), OF_DIFFERENCES * max(1.0, drift)
+    gamma, drift = OF_DIFFERENCES * max(size * speed**2, gamma), OF_DIFFERENCES * max(size, drift)
     tolerance = (TOLERANCE * size, TOLERANCE * size * speed, gamma, drift)
     is_right = (np.abs(wanted - found) <= np.array(tolerance)[:, np.newaxis]).all(axis=(0, 1))
     if not is_right.all():

@@ -24,6 +24,7 @@ class JointItem:
     is_linear: whether its Jacobian never changes.   period: modulo which its value counts, or infinite.
     is_angular: whether its Jacobian is of angular velocities, of which its value, of angles, is no integral.
     is_rolling: whether it is J v = 0 alone, and nothing of places, as of a rolling disc.
+    scale: length [m] within which it bends, as a rod's, or infinite.
     """
 
     number: int
@@ -37,6 +38,7 @@ class JointItem:
     is_angular: bool = field(default=False, kw_only=True)
     is_rolling: bool = field(default=False, kw_only=True)
     columns: Array | None = field(default=None, kw_only=True)
+    scale: float = field(default=np.inf, kw_only=True)
 
     def jacobian(self, mbs: Any) -> Array:
         """(k, n) with respect to `coordinates`, in the current configuration."""

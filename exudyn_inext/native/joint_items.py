@@ -88,6 +88,7 @@ def _joint(mbs: Any, number: int, data: dict[str, Any], name: str) -> JointItem:
         period=_period(data.get("offsetUserFunction")),
         is_angular=_constrains_angles(mbs, data, name),
         is_rolling=data["objectType"] == "JointRollingDisc",
+        scale=data.get("distance", np.inf),
     )
 
 

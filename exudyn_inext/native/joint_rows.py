@@ -57,8 +57,8 @@ class JointRows:
         self._periods = periods[self._angles]
         pairs = zip(rows, joints, strict=True)
         self.sliding = [(own, joint) for own, joint in pairs if isinstance(joint, SlidingJoint)]
-        self.shortest = min((float(joint.lengths.min()) for _, joint in self.sliding), default=1.0)
-        self._step = STEP * min(1.0, self.shortest) ** 0.5  # beside short elements c bends within STEP
+        self.shortest = min((joint.scale for joint in joints), default=1.0)
+        self._step = STEP * min(1.0, self.shortest) ** 0.5  # c of short rods and elements bends within STEP
         places = [coordinates.places(joint.coordinates) for joint in joints]
         of_parts = _blocks(parts, rows, places)
         self.blocks = list(of_parts.values())
@@ -162,6 +162,8 @@ class JointRows:
         rates = v[: self._places]  # those of first-order states behind them have other units
         size, speed = (max(1.0, float(np.abs(x).max())) for x in (q[: self._places], rates))
         step = self._step * size**0.5 / speed  # large coordinates have larger round-off
+        if self.follows_time:
+            step = min(step, STEP_OF_TIME)
         places, weights = _BESIDE if side else _BETWEEN
         times = step * (side or 1.0) * places
         along = [(value_at(t + s, self._moved(q, v, s)), self._rates(mbs, v)) for s in times.tolist()]

@@ -211,6 +211,7 @@ def read_sliding_joint(mbs: Any, number: int, data: dict[str, Any], name: str) -
         name=name,
         follows_time=False,
         is_linear=False,
+        scale=float(lengths.min()),
         equations=equations,
         slider=int(data["markerNumbers"][0]),
         elements=np.array(elements),

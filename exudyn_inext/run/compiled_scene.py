@@ -358,7 +358,9 @@ class CompiledScene:
         """
         ramps, ramp = self.system.items.ramps, self.loads.ramp
         ramps.number[0] = 0
-        places = self.numbers.places_of(tuple(changed)) if line and ramp else ()
+        places = (
+            self.numbers.places_of(tuple(k for k in changed if k in line.before)) if line and ramp else ()
+        )
         before = [ramps[kind][own] for kind, own in places]
         if not all(starmap(self.take_over, changed.items())):
             return False

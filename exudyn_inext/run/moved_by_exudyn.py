@@ -15,7 +15,7 @@ from .compiled_scene import ChangedItem
 from .consistent_start import StartCorrection
 from .coupled_start import consistent_start
 from .coupled_watch import CoupledWatch
-from .mover import FULFILLED, JUMP, Mover
+from .mover import FULFILLED, Mover
 from .paced_run import PacedRun
 from .ramp import Line
 from .step_control import Piece
@@ -73,7 +73,9 @@ class MovedByExudyn(Mover):
         """Whether functions of the user have moved joints at once, before the step from `time` [s]."""
         if not self._scene.has_steered_joints:
             return False
-        return float(np.abs(self._scene.native_items.present_violations(time, self._state.q)).max()) > JUMP
+        return (
+            float(np.abs(self._scene.native_items.present_violations(time, self._state.q)).max()) > self.jump
+        )
 
     @property
     def asks_ahead(self) -> bool:

@@ -17,7 +17,7 @@ from .compiled_scene import CompiledScene
 from .consistent_start import StartCorrection
 from .coupled_start import compiled_start, consistent_start
 from .coupled_watch import CoupledWatch
-from .mover import FULFILLED, JUMP, Mover
+from .mover import FULFILLED, Mover
 from .ramp import Line
 from .redundancy import held_straight
 from .settings import SAY_OF_TIME
@@ -160,7 +160,7 @@ class MovedByKernels(Mover):
         return self._form.approaches
 
     def has_jumped(self, time: float) -> bool:
-        return bool(self._form.steered) and self._form.steered_violation(time, self._state.q) > JUMP
+        return bool(self._form.steered) and self._form.steered_violation(time, self._state.q) > self.jump
 
     def rest(self) -> None:
         self._scene.native_items.approach.rest()

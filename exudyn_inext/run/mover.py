@@ -16,8 +16,7 @@ from .joined_scene import EvaluatedScene
 from .step_control import ROUND_OFF
 
 FULFILLED = 1e-9  # violation of a joint [m, -] that needs no motion to be removed
-
-JUMP = 1e-6  # violation of joints [m, -] between two steps, beyond what integrators leave
+LEFT = 1e-6  # violation of joints [m, -] that integrators leave which do not solve for positions
 
 
 class Mover:
@@ -29,6 +28,7 @@ class Mover:
     system: that takes the steps.   evaluated: the scene, by whom evaluates it.
     given: (n,) forces besides those of the items, which others may set.
     dofs_in_implicit_contact: first coordinates of the nodes of cables whose contact is damped implicitly.
+    jump: violation of joints [m, -] between two steps, beyond what the integrator leaves.
     asks: which load depends on the state, where compiled code asks its function.
     elsewhere: see `PacedRun`.
     """
@@ -46,6 +46,7 @@ class Mover:
     ) -> None:
         self._scene, self._runs, self._state = scene, runs, state
         self._integrator, self._scheme = method
+        self.jump = LEFT if self._integrator.stabilised else FULFILLED
 
     @property
     def system(self) -> Any:

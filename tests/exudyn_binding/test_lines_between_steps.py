@@ -5,10 +5,13 @@ import numpy as np
 import pytest
 from exudyn.utilities import (
     CartesianSpringDamper,
+    CoordinateConstraint,
     Force,
     InertiaCuboid,
     MarkerBodyPosition,
+    MarkerNodeCoordinate,
     MarkerNodePosition,
+    NodePointGround,
     RevoluteJoint2D,
 )
 
@@ -21,9 +24,15 @@ def wave(t):
     return np.sin(LAG * t + 0.3)
 
 
-class Scene:
-    """A planar cable, alone or with a body at its end, that one force or spring pulls.
+def way(t):
+    return 0.05 * (1.0 - np.cos(LAG * t))
 
+
+class Scene:
+    """A planar cable, alone or with a body at its end, that one force or spring pulls, or a joint moves.
+
+    what: pulls it: "alone" or "force", a force; "spring" or "marker", the offset or an end of a spring;
+        "offset" or "place", the offset of a constraint or a marker of a joint, which hold its start.
     how: what gives it: "asked", a user function of time, or "set", a function before each step.
     evaluated: whether a spring with a user function leaves all forces to Exudyn.
     """
@@ -31,7 +40,8 @@ class Scene:
     def __init__(self, what, how, evaluated=False):
         self.mbs = mbs = exudyn.SystemContainer().AddSystem()
         section = InextensibleCable(massPerLength=0.2, bendingStiffness=0.05)
-        ends = {"groundConstraintsStart": [True, True, False, False]}
+        moves = what in ("offset", "place")
+        ends = {} if moves else {"groundConstraintsStart": [True, True, False, False]}
         cable = CreateInextensibleCable(mbs, [0, 0, 0], [0, -1, 0], 4, section, gravity=[0, -9.81, 0], **ends)
         tip = mbs.AddMarker(MarkerNodePosition(nodeNumber=cable["nodes"][-1]))
         self.node, self.item = cable["nodes"][-1], None
@@ -47,7 +57,9 @@ class Scene:
             ends = [mbs.AddMarker(MarkerBodyPosition(bodyNumber=k)) for k in (ground, body)]
             nothing = {"springForceUserFunction": lambda mbs, t, item, u, v, k, d, o: [0.0, -u[1], 0.0]}
             mbs.AddObject(CartesianSpringDamper(markerNumbers=ends, **nothing))
-        if what in ("spring", "marker"):
+        if moves:
+            self._move(cable["nodes"][0], ground, how, what)
+        elif what in ("spring", "marker"):
             self._pull_by_spring(tip, ground, how, what)
         else:
             self._pull(tip, how)
@@ -75,6 +87,27 @@ class Scene:
         elif how == "set":
             place = ends[0], "localPosition"
             self._before_steps(lambda t: self.mbs.SetMarkerParameter(*place, [0.1 * wave(t), 0, 0]))
+
+    def _move(self, node, ground, how, what):
+        mbs = self.mbs
+        start = mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
+        carriage = mbs.CreateMassPoint(mass=1.0, create2D=True)
+        held = mbs.AddMarker(MarkerBodyPosition(bodyNumber=carriage))
+        mbs.AddObject(RevoluteJoint2D(markerNumbers=[held, start]))
+        if what == "place" and how == "set":
+            anchor = mbs.AddMarker(MarkerBodyPosition(bodyNumber=ground))
+            mbs.AddObject(RevoluteJoint2D(markerNumbers=[anchor, held]))
+            place = anchor, "localPosition"
+            self._before_steps(lambda t: mbs.SetMarkerParameter(*place, [way(t), 0, 0]))
+            return
+        node = mbs.GetObject(carriage)["nodeNumber"]
+        asked = {"offsetUserFunction": lambda mbs, t, item, offset: way(t)} if how == "asked" else {}
+        fixed = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+        x, y = (mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=k)) for k in (0, 1))
+        mbs.AddObject(CoordinateConstraint(markerNumbers=[fixed, y]))
+        joint = mbs.AddObject(CoordinateConstraint(markerNumbers=[fixed, x], **asked))
+        if how == "set":
+            self._before_steps(lambda t: mbs.SetObjectParameter(joint, "offset", float(way(t))))
 
     def _before_steps(self, put):
         def before(mbs, t):
@@ -112,6 +145,20 @@ def test_values_that_are_set_act_with_second_order_in_the_step_of_the_loop(what,
     coarse, fine = errors(what, evaluated, [(25, 8), (50, 4)])
     assert fine < 0.35 * coarse
     assert coarse < 0.1 * END / 25 / 2 * LAG  # of what half a step of the loop is ahead
+
+
+@pytest.mark.parametrize("evaluated", [False, True])
+@pytest.mark.parametrize("what", ["offset", "place"])
+def test_joints_that_are_set_move_with_second_order_in_the_step_of_the_loop(what, evaluated):
+    coarse, fine = errors(what, evaluated, [(25, 8), (50, 4)])
+    assert fine < 0.35 * coarse
+    assert coarse < 0.1 * END / 25 / 2 * LAG
+
+
+@pytest.mark.parametrize("what", ["offset", "place"])
+def test_so_they_do_where_exudyn_evaluates_them(what, by_exudyn):
+    coarse, fine = errors(what, False, [(25, 8), (50, 4)])
+    assert fine < 0.35 * coarse
 
 
 @pytest.mark.parametrize("what", ["alone", "force"])

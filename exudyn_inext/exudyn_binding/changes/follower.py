@@ -229,12 +229,19 @@ class ChangeFollower:
     ) -> None:
         """See `CoupledRun.take_over`; whoever evaluates a run then may demand something else."""
         items, ways = self._acting(runs, changed), [run.evaluated_by for run in runs]
-        line = None if asked == Demand.BEGIN else self._line
+        line = None if asked == Demand.BEGIN else self._line_of_forces(runs, changed)
         for run in runs:
             if isinstance(run, CoupledRun):
                 run.take_over(items, asked <= Demand.WEIGH, time, line)
         if ways != [run.evaluated_by for run in runs]:
             self._forget_demands()
+
+    def _line_of_forces(self, runs: Sequence[Run], changed: Mapping[Parameter, Any]) -> Line | None:
+        """The line, without what moves joints: the runs know velocities for these, see `Steered`."""
+        if self._line is None:
+            return None
+        own = {key for key in changed if self._demand(runs, key) != Demand.MOVE}
+        return self._line._replace(before={key: x for key, x in self._line.before.items() if key in own})
 
     def _followed(
         self, runs: Sequence[Run], changed: Mapping[Parameter, Any], time: float, end: float

@@ -1,0 +1,60 @@
+"""Scenes among bodies do not depend on the unit of length: neither their form nor their motion does."""
+
+import math
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.utilities import (
+    CoordinateConstraint,
+    DistanceConstraint,
+    MarkerBodyPosition,
+    MarkerNodeCoordinate,
+    MarkerNodePosition,
+    NodePointGround,
+    RevoluteJoint2D,
+)
+
+from exudyn_inext import CreateInextensibleCable, InextensibleCable, SolveExplicit
+
+
+@pytest.mark.parametrize("unit", [1e-2, 1e3])
+def test_scenes_have_the_same_form_and_motion_in_any_unit_of_length(unit):
+    """A rod at the end of a cable whose start is moved; a unit of 100 m makes the rod 3.5 mm long."""
+
+    def solve(unit):
+        mbs = exudyn.SystemContainer().AddSystem()
+        section = InextensibleCable(massPerLength=0.1 / unit, bendingStiffness=0.01 * unit**3)
+        gravity = [0, -9.81 * unit, 0]
+        cable = CreateInextensibleCable(mbs, [0, 0, 0], [unit, 0, 0], 4, section, gravity=gravity)
+        nodes = cable["nodes"]
+        carriage = mbs.CreateMassPoint(mass=0.5, create2D=True, gravity=gravity)
+        held, bob = (
+            mbs.AddMarker(MarkerBodyPosition(bodyNumber=body))
+            for body in (
+                carriage,
+                mbs.CreateMassPoint(
+                    referencePosition=[1.35 * unit, 0, 0], mass=0.05, create2D=True, gravity=gravity
+                ),
+            )
+        )
+        start, tip = (mbs.AddMarker(MarkerNodePosition(nodeNumber=nodes[k])) for k in (0, -1))
+        mbs.AddObject(RevoluteJoint2D(markerNumbers=[held, start]))
+        mbs.AddObject(DistanceConstraint(markerNumbers=[tip, bob], distance=0.35 * unit))
+        fixed = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+        node = mbs.GetObject(carriage)["nodeNumber"]
+        lift = {"offsetUserFunction": lambda mbs, t, item, offset: 0.02 * unit * (1.0 - math.cos(40.0 * t))}
+        for k, function in ((0, {}), (1, lift)):
+            own = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=k))
+            mbs.AddObject(CoordinateConstraint(markerNumbers=[fixed, own], **function))
+        mbs.Assemble()
+        settings = exudyn.SimulationSettings()
+        settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = 0.3, 30
+        settings.timeIntegration.verboseMode, settings.solution.file.write = 0, False
+        report = SolveExplicit(mbs, settings)
+        assert "in one compiled call" in report["path"]
+        return report["steps"], mbs.GetNodeOutput(nodes[-1], exudyn.OutputVariableType.Position) / unit
+
+    (steps, place), (own_steps, own_place) = solve(1.0), solve(unit)
+    assert own_steps == steps
+    np.testing.assert_allclose(own_place, place, rtol=0, atol=1e-9)
