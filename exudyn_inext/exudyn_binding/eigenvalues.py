@@ -11,9 +11,8 @@ from ..errors import SceneError
 from ..items.arguments import simulation_settings
 from ..native.coupled_scene import CoupledScene
 from ..scene.model import Scene
-from ..statics import JoinedPotential
 from ..statics.static_system import StaticSystem
-from ..statics.vibrations import balance, shares_of, vibrations
+from ..statics.vibrations import SmallMotions, balance, missed_forces, shares_of, small_motions, vibrations
 from .reports import EigenvalueReport
 from .scene import assemble, initial_states
 from .scene_runs import needs_coupling
@@ -83,22 +82,28 @@ def _of_cables(mbs: Any, scene: Scene, time: float, number: int) -> Iterator[tup
     for cable, (q, _) in zip(cables, initial_states(mbs, cables), strict=True):
         potential = cable_at_rest(cable, time)
         potential.turn_with(q)
-        yield _of_system(mbs, potential, q, cable.indices, number, f"cable '{cable.name}'")
+        about = _about_rest(potential, q, f"cable '{cable.name}'")
+        yield _spread(mbs, cable.indices, *vibrations(about, number))
 
 
 def _of_scene(mbs: Any, scene: Scene, time: float, number: int) -> Iterator[tuple[Array, Array]]:
     """As `_of_cables`, of all that moves together."""
     with scene_at_rest(mbs, scene, time) as (joined, _, potential, start, _):
-        places = joined.map.indices
-        values, vectors = _of_system(mbs, potential, start, places, number, "the scene")
-        _require_potential(potential, start, values, vectors[places].T, joined)
-        yield values, vectors
+        about = _about_rest(potential, start, "the scene")
+        values, vectors = vibrations(about, number)
+        _require_potential(about, values, vectors, joined)
+        yield _spread(mbs, joined.map.indices, values, vectors)
 
 
-def _of_system(
-    mbs: Any, system: StaticSystem, q: Array, indices: Any, number: int, name: str
-) -> tuple[Array, Array]:
-    """indices: of its coordinates, in mbs."""
+def _spread(mbs: Any, indices: Any, values: Array, own: Array) -> tuple[Array, Array]:
+    """Values (k,), and vectors (n, k) of all coordinates of mbs.   indices: of those of `own` (k, m)."""
+    vectors = np.zeros((mbs.systemData.ODE2Size(), len(values)))
+    vectors[indices] = own.T
+    return values, vectors
+
+
+def _about_rest(system: StaticSystem, q: Array, name: str) -> SmallMotions:
+    """name: of the system, for errors."""
     try:
         multipliers, left = balance(system, q)
     except RuntimeError as error:
@@ -107,22 +112,16 @@ def _of_system(
             "not known: leave some of them out, or give cables their axialStiffness."
         ) from error
     _require_rest(system, q, left, name)
-    values, own = vibrations(system, q, multipliers, number)
-    vectors = np.zeros((mbs.systemData.ODE2Size(), len(values)))
-    vectors[indices] = own.T
-    return values, vectors
+    return small_motions(system, q, multipliers)
 
 
-def _require_potential(
-    system: JoinedPotential, q: Array, values: Array, vectors: Array, joined: CoupledScene
-) -> None:
+def _require_potential(about: SmallMotions, values: Array, vectors: Array, joined: CoupledScene) -> None:
     """Raise SceneError, with the node, if forces change in a vibration as no potential has it.
 
-    vectors: (k, n) vibrations about q.   joined: names its coordinates.
+    vectors: (k, n) vibrations.   joined: names their coordinates.
     """
-    multipliers, _ = balance(system, q)
-    missed = system.missed_forces(q, multipliers, vectors)
-    shares = shares_of(missed, system, q, multipliers, values)
+    missed = missed_forces(about, vectors)
+    shares = shares_of(missed, about, values)
     number = int(np.argmax(shares))
     if shares[number] > MISSED:
         place = joined.map.indices[int(np.argmax(np.abs(missed[number])))]

@@ -86,8 +86,8 @@ def _violations(system: CoupledSystem, time: float, q: Array, v: Array, toleranc
         if what == RATES and np.isfinite(violation[row]):
             return said
         raise SceneError(
-            f"{said}: correct the initial values or the markers of the joint, or let a larger startTolerance "
-            "project them."
+            f"{said}: correct the initial values or the markers of the joint, set back what step functions "
+            "have set in an earlier run, or let a larger startTolerance project them."
         )
     return ""
 

@@ -221,21 +221,6 @@ class JoinedPotential(StaticSystem):
         """G (n,) of other items.   nu: (m,) of joints."""
         return self._others.pulls(q, nu) - self._others.force(q)
 
-    def missed_forces(self, q: Array, multipliers: Array, steps: Array) -> Array:
-        """(k, n) that resist small steps (k, n), and are not in the symmetric part of the Hessian.
-
-        They are of loads without a potential, and of functions that look at other places than their own.
-        """
-        nu = multipliers[len(multipliers) - self._number_of_joints :]
-        known = self._of_others(q, nu)
-        found = -0.5 * ((known + known.T) @ steps.T).T
-        for own, step in zip(found, steps, strict=True):
-            largest = float(np.abs(step).max())
-            moved = STEP / largest * step
-            change = self._out_of_balance(q + moved, nu) - self._out_of_balance(q - moved, nu)
-            own += change * largest / (2.0 * STEP)
-        return found
-
     def multipliers_of_cables(self, multipliers: Array) -> list[Array]:
         """Those of the constraints of each cable, which come first."""
         return _parts_of(multipliers, [n for cable in self._cables for n in cable.numbers_of_constraints])

@@ -1,17 +1,35 @@
 """The lowest vibrations about an equilibrium, on its constraints."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
 
-from ..arrays import Array
+from ..arrays import Array, SparseArray
 from .saddle_point import factorise, solve
 from .static_system import StaticSystem
 
 FEW = 300  # coordinates, of which all vibrations are found at once
 INDEPENDENT = 1e-6  # relative error of violations that are asked for
 SHIFT = 1e-3  # below zero, in units of the loads' own eigenvalue: what is free to move has an inverse, too
+STEP = 1e-6  # of differences of forces [m, -]
+
+
+class SmallMotions(NamedTuple):
+    """Of a system about its rest at q: hessian (n, n) of the Lagrangian, symmetric; jacobian (m, n)."""
+
+    system: StaticSystem
+    q: Array
+    multipliers: Array
+    hessian: SparseArray
+    jacobian: SparseArray
+
+
+def small_motions(system: StaticSystem, q: Array, multipliers: Array) -> SmallMotions:
+    """system: at rest at q, with these multipliers."""
+    hessian = system.hessian(q, multipliers)
+    symmetric = 0.5 * (hessian + hessian.T)  # of torques it is not
+    return SmallMotions(system, q, multipliers, symmetric, system.jacobian(q))
 
 
 def balance(system: StaticSystem, q: Array) -> tuple[Array, float]:
@@ -30,43 +48,59 @@ def balance(system: StaticSystem, q: Array) -> tuple[Array, float]:
     return multipliers, system.size(force - jacobian.T @ multipliers)
 
 
-def vibrations(system: StaticSystem, q: Array, multipliers: Array, number: int) -> tuple[Array, Array]:
+def vibrations(about: SmallMotions, number: int) -> tuple[Array, Array]:
     """w^2 of M x'' = -H x - J^T lam, J x = 0, with M for the mass and H for the Hessian of the Lagrangian.
 
     Args:
-        system: at rest at q, with these multipliers.
-        number: of the vibrations that are asked for; fewer are found if there are fewer.
+        about: the rest.   number: of the vibrations that are asked for; fewer are found if there are fewer.
 
     Returns:
         (k,) rising [1/s^2], and (k, n) vectors x with x . M x = 1.
     """
-    hessian, jacobian = system.hessian(q, multipliers), system.jacobian(q)
-    hessian = 0.5 * (hessian + hessian.T)  # of torques it is not symmetric
-    number = min(number, q.size - jacobian.shape[0])
-    if q.size > FEW and 2 * number < q.size - jacobian.shape[0]:
+    system, hessian, jacobian = about.system, about.hessian, about.jacobian
+    size = about.q.size
+    number = min(number, size - jacobian.shape[0])
+    if size > FEW and 2 * number < size - jacobian.shape[0]:
         return _by_lanczos(system, hessian, jacobian, number)
-    basis = scipy.linalg.null_space(jacobian.toarray()) if jacobian.shape[0] else np.eye(q.size)
+    basis = scipy.linalg.null_space(jacobian.toarray()) if jacobian.shape[0] else np.eye(size)
     reduced = [basis.T @ (matrix @ basis) for matrix in (hessian, system.mass)]
     values, vectors = scipy.linalg.eigh(*reduced, subset_by_index=[0, number - 1])
     return values, (basis @ vectors).T
 
 
-def shares_of(missed: Array, system: StaticSystem, q: Array, multipliers: Array, values: Array) -> Array:
+def missed_forces(about: SmallMotions, steps: Array) -> Array:
+    """(k, n) that resist small steps (k, n), and are not in the symmetric Hessian.
+
+    They are of loads without a potential, and of functions that look at other places than their own.
+    """
+    found = -(about.hessian @ steps.T).T
+    for own, step in zip(found, steps, strict=True):
+        largest = float(np.abs(step).max())
+        moved = STEP / largest * step
+        change = _out_of_balance(about, about.q + moved) - _out_of_balance(about, about.q - moved)
+        own += change * largest / (2.0 * STEP)
+    return found
+
+
+def _out_of_balance(about: SmallMotions, q: Array) -> Array:
+    """(n,) force that would hold the system at q, beside its constraints."""
+    return about.system.jacobian(q).T @ about.multipliers - about.system.force(q)
+
+
+def shares_of(missed: Array, about: SmallMotions, values: Array) -> Array:
     """What forces that the Hessian misses do in vibrations, over what stiffness and inertia do (k,) [-].
 
     Both are measured by the work of the forces along what they move, so that the mesh does not matter.
 
     Args:
-        missed: (k, n) forces in vibrations x with x . M x = 1.
-        system: at rest at q, with these multipliers.   values: (k,) w^2 of the vibrations [1/s^2].
+        missed: (k, n) forces in vibrations x with x . M x = 1.   about: the rest.
+        values: (k,) w^2 of the vibrations [1/s^2].
     """
-    shares = np.zeros(len(values))
-    hessian, jacobian = system.hessian(q, multipliers), system.jacobian(q)
-    hessian = 0.5 * (hessian + hessian.T)
+    shares, system = np.zeros(len(values)), about.system
     for k in np.flatnonzero(missed.any(axis=1)):
         level = abs(values[k]) - 2.0 * min(values[0], 0.0) + SHIFT * system.shift
-        factor = factorise(hessian + level * system.mass, jacobian, system.order)
-        moved, _ = solve(factor, missed[k], np.zeros(jacobian.shape[0]))
+        factor = factorise(about.hessian + level * system.mass, about.jacobian, system.order)
+        moved, _ = solve(factor, missed[k], np.zeros(about.jacobian.shape[0]))
         shares[k] = np.sqrt(abs((missed[k] * moved).sum()) / level)
     return shares
 

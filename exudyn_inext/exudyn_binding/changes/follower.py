@@ -240,8 +240,9 @@ class ChangeFollower:
         """The line, without what moves joints: the runs know velocities for these, see `Steered`."""
         if self._line is None:
             return None
-        own = {key for key in changed if self._demand(runs, key) != Demand.MOVE}
-        return self._line._replace(before={key: x for key, x in self._line.before.items() if key in own})
+        before = self._line.before.items()
+        own = {key: x for key, x in before if key in changed and self._demand(runs, key) != Demand.MOVE}
+        return self._line._replace(before=own)
 
     def _followed(
         self, runs: Sequence[Run], changed: Mapping[Parameter, Any], time: float, end: float
