@@ -30,6 +30,7 @@ class Integrator:
     change_step: (state, ratio): prepares the memory of a multi-step scheme for steps longer by that ratio.
     resume: (system, external, state): what a step needs of the system besides the state, evaluated again.
     checked: scheme -> the same of plain numbers; raises InputError for a parameter out of its limits.
+    for_size: (scheme, size) -> the same, where coordinates are as large as that, in units of its tolerance.
     trouble: (scheme, state) -> what the scheme could not do, for messages; empty if there is nothing.
     """
 
@@ -47,6 +48,7 @@ class Integrator:
     change_step: Callable[[Any, float], None] = lambda state, ratio: None
     resume: Callable[..., None] = lambda system, external, state: None
     checked: Callable[[Any], Any] = lambda scheme: scheme
+    for_size: Callable[[Any, float], Any] = lambda scheme, size: scheme
     trouble: Callable[[Any, Any], str] = lambda scheme, state: ""
 
     def allocate(self, n_dof: int, n_external: int) -> Any:

@@ -23,6 +23,7 @@ from ..system import accelerate_and_project, correct_position
 from .integrator import Integrator, advance, external_force, store
 
 MOST_ITERATIONS = 1_000_000
+ROUND_OFF = 8.0 * np.finfo(float).eps  # of the violation of a constraint, relative to the coordinates
 
 
 class Rattle(NamedTuple):
@@ -42,6 +43,11 @@ def checked(scheme: Rattle) -> Rattle:
         require_positive("tolerance", scheme.tolerance),
         require_integer("iterations", scheme.iterations, 1, MOST_ITERATIONS),
     )
+
+
+def for_size(scheme: Rattle, size: float) -> Rattle:
+    """The same, with no smaller tolerance than the round-off of differences of such coordinates."""
+    return scheme._replace(tolerance=max(scheme.tolerance, ROUND_OFF * size))
 
 
 class RattleState(NamedTuple):
@@ -154,5 +160,6 @@ INTEGRATOR = Integrator(
     has_implicit_damping=True,
     resume=resume,
     checked=checked,
+    for_size=for_size,
     trouble=trouble,
 )

@@ -116,7 +116,8 @@ class CableRun(PacedRun):
         """
         require_smooth_motions(scene_cable.moving, start.time)
         cable = scene_cable.cable
-        integrator, _ = self.integrator, self.scheme = method
+        integrator, scheme = method
+        self.integrator = integrator
         require_implicit_axial_forces(scene_cable, integrator)
         self.scene_cable = scene_cable
         self.indices = scene_cable.indices
@@ -133,6 +134,7 @@ class CableRun(PacedRun):
         self.drag_rate = drag_rate(cable, self.loads.gravity_at(start.time), initial[1])
         self.state: Any = integrator.allocate(cable.reference.size, len(self.loads.constant))
         self.state.q[:], self.state.v[:] = (array.ravel() for array in initial)
+        self.scheme = integrator.for_size(scheme, self.size)
         self.looks_ahead = self.loads.known_ahead
         tolerance, gains_energy = start.explicit.energyTolerance, integrator.stabilised
         self.watch = CableWatch(scene_cable, self.loads, self.state, tolerance, gains_energy)
@@ -467,6 +469,11 @@ class CableRun(PacedRun):
     @property
     def cables(self) -> list[Cable]:
         return [self.scene_cable.cable]
+
+    @property
+    def size(self) -> float:
+        """Of the coordinates, over the shortest element [-]: round-off shows in its constraints by that."""
+        return float(np.abs(self.state.q).max() / self.scene_cable.cable.element_lengths.min())
 
     @property
     def cable_runs(self) -> list["CableRun"]:

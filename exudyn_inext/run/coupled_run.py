@@ -62,7 +62,7 @@ class CoupledRun(LimitedRun):
         self._scene = scene
         self._runs = cable_runs
         self._why = why
-        self.integrator, self.scheme = method
+        self.integrator, _ = method
         self._time = start.time
         self.indices, self.reference = scene.map.indices, scene.map.reference
         self.state: Any = self.integrator.allocate(scene.size, 1)
@@ -71,6 +71,9 @@ class CoupledRun(LimitedRun):
             run.adopt(system)
             self.state.q[dofs], self.state.v[dofs] = run.state.q, run.state.v
         scene.require_finite(self.state.v)
+        size = max([float(np.abs(self.state.q).max(initial=0.0)), *(run.size for run in cable_runs)])
+        self.scheme = self.integrator.for_size(method[1], size)
+        method = self.integrator, self.scheme
         self.start_correction = StartCorrection()
         try:
             # where each step has one evaluation, at its end, loads may depend on the state there
