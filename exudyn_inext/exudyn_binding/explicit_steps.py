@@ -81,7 +81,7 @@ def _require_all(coordinates: Sized, velocities: Sized, wanted: int) -> None:
     """What `State2InitialValues` returned; InputError if these are not all there are."""
     if len(coordinates) != wanted or len(velocities) != wanted:
         raise InputError(
-            f"State2InitialValues returned {len(coordinates)} coordinates and {len(velocities)} velocities, of "
-            f"{wanted} each: begin with super().State2InitialValues() and change entries of its lists (cables "
-            "that share a node have coordinates of their own there), or leave it out."
+            f"State2InitialValues returned {len(coordinates)} coordinates and {len(velocities)} velocities, "
+            f"of {wanted} each: begin with super().State2InitialValues() and change entries of its lists "
+            "(cables that share a node have coordinates of their own there), or leave it out."
         )
