@@ -15,6 +15,14 @@ def convergence_sentence(search: Search) -> str:
     )
 
 
+def step_function_sentence(steps: int) -> str:
+    """How often pilots called step functions.   steps: of Exudyn's loop."""
+    return (
+        f"The step functions of mbs were called in each of {steps} steps of the loop: set "
+        f"timeIntegration.numberOfSteps = {steps} or more, as what they set follows lines within a step."
+    )
+
+
 def choice_sentence(pilot: Pilot, tolerance: float) -> str:
     """The best one."""
     return (

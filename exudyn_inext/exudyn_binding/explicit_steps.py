@@ -1,11 +1,12 @@
 """ExplicitSteps: Exudyn's own classes that step an mbs, with explicit steps."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sized
 from typing import Any
 
 import exudyn
 import numpy as np
 
+from ..errors import InputError
 from ..run.settings import ExplicitSettings
 from .explicit_solver import ExplicitSolver
 
@@ -51,12 +52,17 @@ class ExplicitSteps:
         return [data.GetODE2Coordinates(), data.GetODE2Coordinates_t()]
 
     def reset(self, **options: Any) -> Any:
-        """Of an environment: begin anew.   options: see Exudyn's class."""
+        """Of an environment: begin anew.   options: see Exudyn's class.
+
+        Raises:
+            InputError: `State2InitialValues` returns more or fewer values than mbs has coordinates.
+        """
         data = self.mbs.systemData
         data.SetSystemState(self._initial_state, _INITIAL)
         self.simulationSettings.timeIntegration.startTime = 0.0
         result = super().reset(**options)  # type: ignore[misc]
         coordinates, velocities = self.State2InitialValues()
+        _require_all(coordinates, velocities, data.ODE2Size())
         for configuration in (_INITIAL, exudyn.ConfigurationType.Current):
             data.SetODE2Coordinates(coordinates, configuration)
             data.SetODE2Coordinates_t(velocities, configuration)
@@ -69,3 +75,13 @@ class ExplicitSteps:
         if self.doTimeIntegration:
             self.mbs.sys["solver"] = solver = ExplicitSolver(self.explicitSettings)
             solver.InitializeSolver(self.mbs, self.simulationSettings)
+
+
+def _require_all(coordinates: Sized, velocities: Sized, wanted: int) -> None:
+    """What `State2InitialValues` returned; InputError if these are not all there are."""
+    if len(coordinates) != wanted or len(velocities) != wanted:
+        raise InputError(
+            f"State2InitialValues returned {len(coordinates)} coordinates and {len(velocities)} velocities, "
+            f"of {wanted} each: begin with super().State2InitialValues() and change entries of its lists "
+            "(cables that share a node have coordinates of their own there), or leave it out."
+        )

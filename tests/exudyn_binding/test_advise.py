@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from exudyn.utilities import InertiaCuboid
+from exudyn.utilities import InertiaCuboid, LoadForceVector, MarkerNodePosition
 
 from exudyn_inext import AdviceSettings, Advise, AttachToBody, InextensibleCable
 from exudyn_inext.advice.pilot import CONVENTIONAL, EXTENSIBLE, INEXTENSIBLE, Choice
@@ -255,6 +255,45 @@ def test_runs_are_sampled_alike_whatever_the_period(build, build_native):
 def test_a_step_that_is_refused_is_a_failure_of_that_choice(build):
     pilot = PilotRuns(build, None, 0.1, 0.1).run(Choice(INEXTENSIBLE, "RATTLE", 8, 0.05))
     assert "above" in pilot.failure and "stability limit" in pilot.failure
+
+
+def test_step_functions_are_to_be_called_as_often_as_by_the_pilots(new_mbs, add_pendulum, add_sensor, solve):
+    """Fewer steps of the loop change the motion, whatever the step of the integrator."""
+
+    def build(elements):
+        mbs = new_mbs()
+        cable = add_pendulum(
+            mbs, **LINE, numberOfElements=elements, beamTemplate=InextensibleCable(**SECTION)
+        )
+        tip = mbs.AddMarker(MarkerNodePosition(nodeNumber=cable["nodes"][-1]))
+        load = mbs.AddLoad(LoadForceVector(markerNumber=tip))
+
+        def push(mbs, t):
+            mbs.SetLoadParameter(load, "loadVector", [0.5 * np.sin(40.0 * t), 0, 0])
+            return True
+
+        mbs.SetPreStepUserFunction(push)
+        sensor = add_sensor(mbs, cable["nodes"][-1])
+        mbs.Assemble()
+        return mbs, sensor
+
+    advice = Advise(build, TOLERANCE, END)
+    (said,) = (reason for reason in advice["reasons"] if "step functions" in reason)
+    steps = int(re.search(r"numberOfSteps = (\d+) or more", said)[1])
+
+    def path(steps, elements, **explicit):
+        mbs, sensor = build(elements)
+        settings = quiet_settings(END, steps)
+        settings.solution.sensors.writePeriod = END / 10
+        solve(mbs, settings=settings, **explicit)
+        return trajectory(mbs, sensor)[:, 1:]
+
+    exact = path(4000, 24)
+    advised = advice["numberOfElements"], vars(advice["explicitSettings"])
+    few, many = (
+        np.linalg.norm(path(number, advised[0], **advised[1]) - exact, axis=1).max() for number in (10, steps)
+    )
+    assert many < TOLERANCE < few
 
 
 def test_length_constraints_are_those_of_the_scene(new_mbs, add_pendulum, add_sensor):

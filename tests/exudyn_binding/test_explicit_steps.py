@@ -10,7 +10,14 @@ from exudyn.interactive import InteractiveDialog
 from exudyn.itemInterface import LoadForceVector, MarkerNodePosition
 
 from examples import slung_load as example
-from exudyn_inext import DivergenceError, ExplicitSettings, ExplicitSteps, SceneError, SolveExplicit
+from exudyn_inext import (
+    DivergenceError,
+    ExplicitSettings,
+    ExplicitSteps,
+    InputError,
+    SceneError,
+    SolveExplicit,
+)
 from reference_models.conventional.native_cables import NativeCables
 from reference_models.model import quiet_settings, silence
 from tests.gym_stub import import_environments
@@ -224,6 +231,18 @@ def test_values_of_a_user_s_own_map_are_taken(environments):
     with silence():
         state = [environment.step(np.zeros(3))[0] for _ in range(50)][-1]
     np.testing.assert_allclose(state[[0, 3, 6, 9]], [0.7, 0.7, 0.7, 0.7], atol=1e-4)
+
+
+def test_values_that_are_not_all_there_are_are_refused(environments):
+    class Short(environments.Explicit):
+        def State2InitialValues(self):
+            return [values[:-6] for values in super().State2InitialValues()]
+
+    environment = Short()
+    size = environment.mbs.systemData.ODE2Size()
+    said = rf"returned {size - 6} coordinates and {size - 6} velocities, of {size} each"
+    with silence(), pytest.raises(InputError, match=said):
+        environment.reset()
 
 
 def test_values_that_violate_constraints_are_refused(environments):

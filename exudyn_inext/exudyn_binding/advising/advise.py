@@ -9,6 +9,7 @@ from ...advice.advice import (
     choice_sentence,
     convergence_sentence,
     cost_sentence,
+    step_function_sentence,
     stretch_sentence,
 )
 from ...advice.candidates import LENIENCE, climb, coarsen
@@ -172,6 +173,8 @@ class _Session:
             said = f"{choice.label}: error and CPU time are extrapolated from coarser meshes."
         else:
             said = choice_sentence(advised, self._tolerance)
+        if self._problem.has_step_functions:
+            self._reasons.append(step_function_sentence(self._problem.samples))
         explicit = None if choice.is_conventional else self._problem.explicit_settings(choice)
         stretches = choice.formulation == EXTENSIBLE
         constraints = self._problem.length_constraints if explicit and not stretches else {}

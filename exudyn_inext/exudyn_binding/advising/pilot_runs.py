@@ -15,7 +15,7 @@ from ...arrays import Array
 from ...cable.cable import CurvatureMeasure
 from ...errors import DivergenceError, InputError, SceneError, StepSizeError
 from ...items.arguments import sensor_number
-from ...items.functions_of_time import take_word
+from ...items.functions_of_time import step_functions, take_word
 from ...run.settings import ExplicitSettings
 from ..console import quiet_settings, silence
 from ..scene import read_scene, require_assembled
@@ -50,12 +50,14 @@ class PilotRuns:
         self._build_conventional = build_conventional
         self.end_time = end_time
         self._of_time_only = of_time_only
-        self.period = end_time / max(1, round(end_time / period))
+        self.samples = max(1, round(end_time / period))
+        self.period = end_time / self.samples
         self._limits: dict[tuple[int, str], float] = {}
         self._ran: set[tuple[str, str]] = set()
         self._axial_stiffness: float | None = None
         self.formulation = INEXTENSIBLE
         self.dimension = 0
+        self.has_step_functions = False
         self.length_constraints: dict[int, int] = {}  # n_bar of a cable, by its number of elements
 
     def stretching(self, axial_stiffness: float) -> "PilotRuns":
@@ -93,6 +95,7 @@ class PilotRuns:
                 )
             if any(cable.cable.stretches for cable in cables):
                 self.formulation = EXTENSIBLE
+            self.has_step_functions = bool(step_functions(mbs))
             self.dimension = max(cable.cable.dimension for cable in cables)
             self.length_constraints[elements] = max(cable.cable.length_constraints for cable in cables)
             end = min(1e-3, self.end_time)
@@ -153,7 +156,7 @@ class PilotRuns:
     def _sampled(self, mbs: Any, sensor: int) -> Array:
         """(T, m) values at the same times in all runs; an implicit solver that cuts its steps misses some."""
         stored = np.atleast_2d(np.asarray(mbs.GetSensorStoredData(sensor)))
-        times = np.linspace(0.0, self.end_time, round(self.end_time / self.period) + 1)
+        times = np.linspace(0.0, self.end_time, self.samples + 1)
         return np.column_stack([np.interp(times, stored[:, 0], column) for column in stored.T[1:]])
 
     def explicit_settings(self, choice: Choice) -> ExplicitSettings:
