@@ -77,10 +77,21 @@ def _elements(objects: Sequence[dict[str, Any]], given: Any) -> Elements:
     }
     if given is None and not found:
         raise InputError(
-            "mbs has no ObjectANCFCable2D or ObjectANCFCable with a mass that could be replaced: call "
-            "ReplaceNativeCables after they were added, and once."
+            "mbs has no ObjectANCFCable2D or ObjectANCFCable with a mass that could be replaced: "
+            + (_of_moving_cables(objects) or "call ReplaceNativeCables after they were added, and once.")
         )
     return found if given is None else {number: found[number] for number in _chosen(given, found)}
+
+
+def _of_moving_cables(objects: Sequence[dict[str, Any]]) -> str:
+    """What to do with elements through which the cable moves, if there are any; otherwise empty."""
+    numbers = [k for k, data in enumerate(objects) if data["objectType"] == "ALEANCFCable2D"]
+    if not numbers:
+        return ""
+    return (
+        f"{described(objects[numbers[0]], numbers[0])} is an element through which the cable moves (ALE), "
+        "which has no counterpart; move this mbs by mbs.SolveDynamic."
+    )
 
 
 def _chosen(given: Any, found: Elements) -> list[int]:

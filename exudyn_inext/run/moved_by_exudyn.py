@@ -79,9 +79,8 @@ class MovedByExudyn(Mover):
 
     @property
     def asks_ahead(self) -> bool:
-        """See `PacedRun`; first order states, and what a GeneralContact knows, are in mbs alone."""
-        mbs = self._scene.mbs
-        return not (mbs.systemData.ODE1Size() or mbs.NumberOfGeneralContacts() or self.approaches)
+        """See `PacedRun`; first order states are in mbs alone."""
+        return not (self._scene.mbs.systemData.ODE1Size() or self.approaches)
 
     @property
     def approaches(self) -> bool:

@@ -6,8 +6,10 @@ import pytest
 from exudyn.itemInterface import (
     LoadForceVector,
     MarkerBodyPosition,
+    MarkerBodyRigid,
     MarkerNodeCoordinate,
     MarkerNodePosition,
+    MarkerNodeRigid,
     NodeGenericData,
     NodePointGround,
     ObjectContactCoordinate,
@@ -17,11 +19,13 @@ from exudyn.itemInterface import (
     SensorUserFunction,
     SpringDamper,
 )
+from exudyn.rigidBodyUtilities import InertiaSphere
 
 from exudyn_inext import SolveExplicit
 from exudyn_inext.run.coupled_run import CoupledRun
 from reference_models.model import quiet_settings, silence
 
+RADIUS = 0.1  # [m]
 STEPS, PERIOD = 100, 0.015  # of the loop in 0.5 s, each third of which is an output
 AT_ONCE = "up to 32 steps at once"
 
@@ -166,6 +170,62 @@ def test_contact_acts_and_is_shown_as_in_a_run_whose_steps_a_function_sees(bounc
         np.testing.assert_array_equal(own, other)
     assert found[1][-1, 1] < 0 < found[1][1, 1]  # it has closed
     assert mbs.systemData.GetDataCoordinates() == seen_mbs.systemData.GetDataCoordinates()
+
+
+@pytest.fixture
+def ball(new_mbs, add_pendulum):
+    """mbs with a ball that falls on triangles beside a cable; sensors of its distance and place."""
+
+    def build():
+        mbs = new_mbs()
+        add_pendulum(mbs)
+        inertia = InertiaSphere(1.0, RADIUS)
+        number = mbs.CreateRigidBody(
+            referencePosition=[1, 0, -0.5],
+            initialVelocity=[0.3, 0, 0],
+            inertia=inertia,
+            nodeType=exudyn.NodeType.RotationEulerParameters,
+            gravity=[0, 0, -9.81],
+        )
+        node = mbs.GetObject(number)["nodeNumber"]
+        contact = mbs.AddGeneralContact()
+        contact.SetFrictionPairings(np.full((1, 1), 0.3))
+        contact.SetSearchTreeCellSize(numberOfCells=[4, 4, 4])
+        surface = {"contactStiffness": 1e4, "contactDamping": 5, "frictionMaterialIndex": 0}
+        contact.AddSphereWithMarker(mbs.AddMarker(MarkerNodeRigid(nodeNumber=node)), radius=RADIUS, **surface)
+        corners = [[0, -1, -1], [2, -1, -1], [2, 1, -1], [0, 1, -1]]
+        plate = mbs.AddMarker(MarkerBodyRigid(bodyNumber=mbs.CreateGround()))
+        contact.AddTrianglesRigidBodyBased(
+            plate, pointList=corners, triangleList=[[0, 1, 2], [0, 2, 3]], **surface
+        )
+        beam = {"positionOrMarker": [1, 0, 0.5], "dirSensor": [0, 0, -1], "maxDistance": 5}
+        spheres = exudyn.ContactTypeIndex.IndexSpheresMarkerBased
+        distance = mbs.CreateDistanceSensor(
+            0, **beam, cylinderRadius=0.5, selectedTypeIndex=spheres, storeInternal=True
+        )
+        place = SensorNode(
+            nodeNumber=node, outputVariableType=exudyn.OutputVariableType.Position, storeInternal=True
+        )
+        sensors = [distance, mbs.AddSensor(place)]
+        mbs.Assemble()
+        return mbs, sensors
+
+    return build
+
+
+def test_distances_of_a_general_contact_are_those_of_a_run_whose_steps_a_function_sees(ball):
+    mbs, sensors = ball()
+    found, path = solved(mbs, sensors)
+    seen_mbs, sensors = ball()
+    seen_mbs.SetPreStepUserFunction(lambda mbs, t: True)
+    expected, seen_path = solved(seen_mbs, sensors)
+    assert "GeneralContact with triangles" in path
+    assert (AT_ONCE in path, AT_ONCE in seen_path) == (True, False)
+    for own, other in zip(found, expected, strict=True):  # forces of steps taken again have other round-off
+        np.testing.assert_allclose(own, other, rtol=0, atol=1e-13)
+    distance, (_, _, height) = found[0][:, 1], found[1][:, 1:].T
+    assert height.min() < RADIUS - 1 < height[-1] - 0.01  # it has touched the plate, and come back
+    np.testing.assert_allclose(distance, 0.5 - height - RADIUS, rtol=0, atol=1e-9)
 
 
 def test_the_limit_of_the_step_is_found_again_only_after_contact_has_closed(bounce, monkeypatch):

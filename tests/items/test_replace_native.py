@@ -13,7 +13,9 @@ from exudyn.itemInterface import (
     MarkerBodyPosition,
     MarkerNodePosition,
     MassPoint2D,
+    NodeGenericODE2,
     NodePoint2DSlope1,
+    ObjectALEANCFCable2D,
     ObjectANCFCable,
     ObjectANCFCable2D,
     SensorBody,
@@ -412,4 +414,12 @@ def test_a_second_call_finds_nothing_to_replace(mbs):
     GenerateBeamElementsAlongLine(mbs, **line(elements=2))
     ReplaceNativeCables(mbs)
     with pytest.raises(InputError, match="no ObjectANCFCable2D or ObjectANCFCable with a mass"):
+        ReplaceNativeCables(mbs)
+
+
+def test_elements_through_which_the_cable_moves_are_named(mbs):
+    ends = [mbs.AddNode(NodePoint2DSlope1(referenceCoordinates=[x, 0, 1, 0])) for x in (0, 1)]
+    flow = mbs.AddNode(NodeGenericODE2(numberOfODE2Coordinates=1, referenceCoordinates=[0]))
+    mbs.AddObject(ObjectALEANCFCable2D(nodeNumbers=[*ends, flow], name="pipe", massPerLength=1))
+    with pytest.raises(InputError, match=r"object 0 'pipe' \(ALEANCFCable2D\).*\(ALE\).*mbs.SolveDynamic"):
         ReplaceNativeCables(mbs)

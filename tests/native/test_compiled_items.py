@@ -379,6 +379,7 @@ def joined(b, constrained):
 
 def spherical_joint(b):
     joined(b, [1, 1, b.dimension - 2])
+    joined(b, [0, 0, 0])  # which holds nothing
     if b.dimension == 3:
         between(b, b.mbs.CreateSphericalJoint)
 

@@ -119,6 +119,11 @@ def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved:
     return KnownRows(collected(ROW, rows), functions, of_moved, movable, _sliders(sliding))
 
 
+def is_joint(data: dict[str, Any]) -> bool:
+    """Whether an object is a joint that has rows here, unless none of its axes is held.   data: of it."""
+    return data["objectType"] in _READERS
+
+
 def _rows_of_joint(joint: JointItem, data: dict[str, Any], reader: PointReader) -> list[Any]:
     read = _READERS.get(data["objectType"])
     if read is None:

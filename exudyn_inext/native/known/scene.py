@@ -37,7 +37,7 @@ from .bodies import (
 from .connectors import VALUES, KnownConnector, read_connector
 from .contacts import ContactReader
 from .general_contacts import read_general_contacts
-from .joints import read_rows
+from .joints import is_joint, read_rows
 from .linear_forces import OF_MATRICES, read_linear_forces
 from .loads import KnownLoad, read_load
 from .points import PointReader
@@ -151,8 +151,8 @@ class KnownNumbers:
             self.linear_forces = np.append(self.linear_forces, self._read_matrices(number))
             self._matrices[number] = slice(begin, len(self.linear_forces))
             return
-        is_active = data.get("activeConnector", True)
-        with nullcontext() if is_active else suppress(UnknownItemError):  # to be switched on, it may be
+        acts = data.get("activeConnector", True) and not is_joint(data)  # those that hold axes are rows
+        with nullcontext() if acts else suppress(UnknownItemError):  # to be switched on, it may be
             spring = read_connector(data, number, self._reader)
             self._springs[number] = len(self.connectors), spring
             self.connectors.append(spring.record)
