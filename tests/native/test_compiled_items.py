@@ -73,7 +73,7 @@ from exudyn_inext.native.known import scene
 from exudyn_inext.native.known.connectors import read_connector
 from reference_models.model import quiet_settings, silence
 
-STEP, STEPS = 5e-5, 25
+STEP, STEPS = 5e-5, 50
 SEGMENTS = 3  # of an element in contact
 TOLERANCE = 1e-10  # of coordinates after all steps, relative to the largest one
 OF_JOINTS = 1e-9  # with joints, whose second derivatives Exudyn's side finds by differences

@@ -29,7 +29,7 @@ from exudyn_inext.multibody.build_nodes import MANY
 from reference_models.model import quiet_settings, silence
 
 CABLE = InextensibleCable(massPerLength=0.2, bendingStiffness=0.02)
-STEP, STEPS = 2e-4, 50
+STEP, STEPS = 2e-4, 100
 TOLERANCE = 1e-10  # of coordinates after all steps, relative to the extent of the scene
 SIDE = 0.1  # between two nodes [m]
 

@@ -23,7 +23,7 @@ from reference_models.model import quiet_settings, silence
 CABLE = InextensibleCable(massPerLength=0.2, bendingStiffness=0.002)
 ELEMENTS = 4  # of each cable
 SIDE, SAG = 0.25, 0.1  # of a mesh [m], of the net by its size
-STEP, STEPS = 2e-4, 25
+STEP, STEPS = 2e-4, 50
 TOLERANCE = 1e-10  # of coordinates after all steps, relative to the extent of the scene
 EXTENT = 0.5  # of the smallest one [m]: displacements, some cm, have the round-off of places
 
