@@ -113,8 +113,8 @@ def axes_without_units(figure):
     return missing
 
 
-@pytest.fixture(autouse=True)
-def every_picture_that_is_saved_has_units_at_its_axes(monkeypatch):
+@pytest.fixture(autouse=True, scope="session")
+def every_picture_that_is_saved_has_units_at_its_axes():
     from matplotlib.figure import Figure
 
     save = Figure.savefig
@@ -123,4 +123,6 @@ def every_picture_that_is_saved_has_units_at_its_axes(monkeypatch):
         assert axes_without_units(figure) == []
         return save(figure, *arguments, **options)
 
-    monkeypatch.setattr(Figure, "savefig", checked)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Figure, "savefig", checked)
+        yield
