@@ -4,6 +4,8 @@ CPU clocks jump, as on a machine with neighbours: no test may depend on what som
 has one thread in each process: those of several processes would spin while they wait for each other.
 
 Known answers and faults are recorded as properties of their tests, for the table of `tests.verification`.
+
+Fixtures import what they patch: the process that only hands tests out begins 2 s sooner.
 """
 
 import gc
@@ -15,10 +17,6 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"  # before NumPy is loaded
 
 import pytest
 from hypothesis import settings
-from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator
-
-from exudyn_inext.native.coupled_scene import CoupledScene
 
 settings.register_profile("repeatable", derandomize=True, max_examples=20, deadline=None, database=None)
 settings.load_profile("repeatable")
@@ -77,6 +75,8 @@ def a_clock_that_jumps(monkeypatch):
 @pytest.fixture
 def by_exudyn(monkeypatch):
     """Exudyn evaluates its items, although they have compiled forms."""
+    from exudyn_inext.native.coupled_scene import CoupledScene
+
     monkeypatch.setattr(CoupledScene, "compiled", lambda *_: (None, "this test"))
     monkeypatch.setattr(CoupledScene, "compile_parts", lambda *_: None)
 
@@ -99,6 +99,8 @@ def fault(record_property):
 
 def axes_without_units(figure):
     """(title, axis, labels) where quantity and [unit] are missing; axes that share one share its label."""
+    from matplotlib.ticker import FixedLocator
+
     missing = []
     for axes in figure.axes:
         for name in axes._axis_names if axes.axison else ():
@@ -111,12 +113,16 @@ def axes_without_units(figure):
     return missing
 
 
-@pytest.fixture(autouse=True)
-def every_picture_that_is_saved_has_units_at_its_axes(monkeypatch):
+@pytest.fixture(autouse=True, scope="session")
+def every_picture_that_is_saved_has_units_at_its_axes():
+    from matplotlib.figure import Figure
+
     save = Figure.savefig
 
     def checked(figure, *arguments, **options):
         assert axes_without_units(figure) == []
         return save(figure, *arguments, **options)
 
-    monkeypatch.setattr(Figure, "savefig", checked)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Figure, "savefig", checked)
+        yield

@@ -94,7 +94,7 @@ SCENES = (
     CoupledScene("slider-crank", slider_crank.build, 1.0),
     CoupledScene("capstan", capstan.build, 0.3, (10, 20, 30, 40, 50), (1e5, 1e6), (60, 1e-4)),
     CoupledScene("dropped net", net.build, 0.4, (4, 6, 8, 12), (1e5, 1e6), (16, 2e-4), is_small=False),
-    overhead_line(1, (1, 2, 3, 4, 6), is_quick=True),
+    overhead_line(1, (1, 2, 3, 4, 6)),
     overhead_line(3, (1, 2, 4, 6)),
     net_of_squares(2),
     replace(net_of_squares(3), meshes=(2, 3, 4, 6), axial=(1e5, 1e6), steps=(5e-3, 2e-3, 1e-3, 5e-4)),

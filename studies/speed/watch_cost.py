@@ -28,7 +28,6 @@ from typing import Any
 
 import exudyn.utilities as items
 import numpy as np
-from scipy.stats import quantile_test
 
 from exudyn_inext import CreatePrescribedMotion, ExplicitSettings, ExplicitStepper
 from studies.harness import Row, inner
@@ -51,6 +50,8 @@ Ways = dict[Any, Task]
 
 def row(case: Row, found: Any) -> Row:
     """What the watch takes of a step, from ratios within one round."""
+    from scipy.stats import quantile_test  # which takes a second to import
+
     name, kind = case["integrator"], case["scene"]
     watched, uninspected = (np.array(found[name, way].cpu_seconds) for way in (WATCHED, UNINSPECTED))
     ratios = watched / uninspected - 1.0

@@ -21,7 +21,7 @@ def test_valid_values_are_taken(name):
 
 @pytest.mark.parametrize("name", TARGETS)
 @settings(
-    max_examples=25,
+    max_examples=12,
     phases=[Phase.generate],
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )

@@ -25,7 +25,6 @@ from tests.cables import (
 ZETA = 5.0
 TOLERANCE = 1e-11
 
-both_measures = pytest.mark.parametrize("measure", MEASURES, ids=lambda measure: measure.value)
 both_dimensions = pytest.mark.parametrize("dim", DIMENSIONS)
 all_links = pytest.mark.parametrize("links", LINKS)
 
@@ -41,10 +40,9 @@ def compare(state, mass_scaling=0.0):
 
 
 @pytest.mark.kernel
-@both_measures
-@both_dimensions
+@pytest.mark.parametrize(("dim", "measure"), [(2, MEASURES[0]), (3, MEASURES[0]), (3, MEASURES[1])])
 @all_links
-def test_small_chains_agree_with_the_dense_solve(measure, dim, links):
+def test_small_chains_agree_with_the_dense_solve(dim, measure, links):
     for number, n_bar in ((4, 4), (6, 3), (5, 0)):
         compare(linked_state(51, number, dim, measure, links, n_bar))
 

@@ -87,6 +87,7 @@ def test_the_animation_is_a_film_of_the_four_scenes(tmp_path, monkeypatch):
 def test_the_film_of_the_net_shows_it_moving(tmp_path, monkeypatch):
     monkeypatch.setattr(animation.picture, "FOLDER", tmp_path)
     monkeypatch.setattr(net_film, "thrown_net", SimpleNamespace(run=partial(thrown_net.run, endTime=0.1)))
+    monkeypatch.setitem(thrown_net.SIZE, "meshes", 2)
     with silence():
         net_film.main(frames=2)
     with Image.open(tmp_path / "thrown_net.gif") as film:

@@ -13,7 +13,7 @@ from exudyn_inext import (
 from exudyn_inext.cable.frequency import FrequencyTracker, largest_frequency
 from exudyn_inext.cable.linked_cable import cable_system
 from exudyn_inext.integrators import find_integrator
-from exudyn_inext.integrators.integrator import advance, no_loads
+from exudyn_inext.integrators.integrator import no_loads, record
 from exudyn_inext.integrators.linear_stability import LinearSystem
 from exudyn_inext.run.cable_run import CableRun
 from exudyn_inext.run.step_control import FrequencyFollower, StepControl, StepRule
@@ -98,9 +98,8 @@ def test_changes_of_the_step_keep_the_order(integrator):
             ratio = (0.5, 2.0)[step % 2]
             scheme.change_step(state, ratio if step else 1.0)
             size = size * ratio if step else h
-            advance(
-                scheme.scheme(), system, no_loads(1, len(scheme.stages)), state, size, 1, np.zeros((1, 3, 1))
-            )
+            loads = no_loads(1, len(scheme.stages))
+            record(scheme, scheme.scheme(), system, loads, state, size, 1, np.zeros((1, 3, 1)))
             time += size
         errors.append(np.hypot(state.q[0] - np.cos(time), state.v[0] + np.sin(time)))
     assert np.log2(errors[0] / errors[1]) == pytest.approx(scheme.order, abs=0.3)

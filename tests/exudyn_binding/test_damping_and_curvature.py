@@ -46,7 +46,7 @@ def tip_of(new_mbs, add_cable, add_sensor, solve):
 )
 def test_damped_vibration_is_that_of_a_native_cable(tip_of, dim, section):
     found = tip_of["ours"](dim, section, 8)
-    expected = tip_of["native"](dim, section, 48)
+    expected = tip_of["native"](dim, section, 32)
     swing = np.ptp(expected[:, 1])
     np.testing.assert_allclose(found, expected, atol=5e-3 * swing)
 

@@ -24,7 +24,7 @@ from exudyn_inext.run.steered import Steered
 from reference_models.model import quiet_settings
 from tests.exudyn_binding.items import SECTION, either_cable, solve_native
 
-END, STEPS = 0.5, 500
+END, STEPS = 0.3, 300
 GRAVITY = [0, -9.81, 0]
 
 

@@ -53,7 +53,7 @@ from exudyn.itemInterface import (
     TorsionalSpringDamper,
 )
 from exudyn.utilities import InertiaCuboid, RotationMatrixZ, RotXYZ2RotationMatrix
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from exudyn_inext import (
@@ -837,11 +837,12 @@ KINDS = [
 IN_PLANE = {torsional_spring_at_a_node, beside_the_cable, fixed_beside_the_cable, circles}
 IN_PLANE |= {planar_joints, planar_slider, general_contact}
 IN_SPACE = {revolute_joint, prismatic_joint, angles, geared_angles}
-each_kind = pytest.mark.parametrize(
-    ("kind", "dimension"),
-    [(kind, 2) for kind in KINDS if kind not in IN_SPACE]
-    + [(kind, 3) for kind in KINDS if kind not in IN_PLANE],
-)
+FORCES = {spring, cartesian_spring, rigid_body_spring, bushing, torsional_spring, springs_that_count_turns}
+FORCES |= {torsional_spring_at_a_node, beside_the_cable, coordinate_spring, rubbing_springs, forces, torques}
+FORCES |= {weights, coordinate_loads, circles}
+PAIRS = [(kind, 2) for kind in KINDS if kind not in IN_SPACE]
+PAIRS += [(kind, 3) for kind in KINDS if kind not in IN_PLANE]
+each_kind = pytest.mark.parametrize(("kind", "dimension"), PAIRS)
 
 
 def moved(build, integrator, compiled, steps=STEPS, outputs=2):
@@ -1044,8 +1045,9 @@ def with_compiled_parts(kinds, seed, dimension, integrator, monkeypatch, toleran
         np.testing.assert_allclose(our_forces, their_forces, atol=1e-4 * scale, rtol=0)
 
 
-@each_kind
+@pytest.mark.parametrize(("kind", "dimension"), [pair for pair in PAIRS if pair[0] not in FORCES])
 def test_bodies_and_joints_are_compiled_where_forces_are_not(kind, dimension, monkeypatch):
+    """All kinds of forces together: below."""
     tolerance = OF_JOINTS if kind in JOINTS else TOLERANCE
     with_compiled_parts([kind], len(kind.__name__), dimension, "RATTLE", monkeypatch, tolerance)
 
@@ -1157,6 +1159,7 @@ def test_many_kinds_together_move_as_exudyn_says(integrator, dimension):
     require_the_same(kinds, 8, dimension, integrator, OFF_UNITY[integrator])
 
 
+@settings(max_examples=10)
 @given(seed=st.integers(0, 1000), kinds=st.sets(st.sampled_from(range(len(WITHOUT_JOINTS)))))
 def test_random_scenes_move_as_exudyn_says(seed, kinds):
     """One kind of joint, which may close loops with the cable and ground, and any others."""

@@ -25,7 +25,7 @@ ELEMENTS = 4  # of each cable
 SIDE, SAG = 0.25, 0.1  # of a mesh [m], of the net by its size
 STEP, STEPS = 2e-4, 50
 TOLERANCE = 1e-10  # of coordinates after all steps, relative to the extent of the scene
-EXTENT = 0.6  # of the smallest one [m]: displacements, some cm, have the round-off of places
+EXTENT = 0.5  # of the smallest one [m]: displacements, some cm, have the round-off of places
 
 
 class Knots:
@@ -138,7 +138,7 @@ def numbers_of_knots(monkeypatch):
 SCENES = {
     "net": (net, 12 * 3),
     "net with mass points": (partial(net, knot=mass_point), 12 * 3),
-    "net with balls": (partial(net, knot=ball), 12 * 3),
+    "net with balls": (partial(net, 2, ball), 5 * 3),
     "planar tree": (tree, 2 * 2),
     "tree": (partial(tree, 3), 2 * 3),
 }

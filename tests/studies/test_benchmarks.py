@@ -223,7 +223,7 @@ def test_scaling_measures_cost_memory_and_accuracy(run_quick, monkeypatch):
 def test_realtime_gives_the_distribution_of_single_steps(run_quick):
     rows = run_quick("realtime")["step"]
     steps = {(row["elements"], row["garbageCollection"]) for row in rows if row["what"] == "step"}
-    assert steps == {(elements, collects) for elements in (5, 20, 50) for collects in (True, False)}
+    assert steps == {(5, collects) for collects in (True, False)}
     for row in rows:
         assert 0 <= row["median"] <= row["percentile999"] <= row["worst"]
         assert row["samples"] == 2000 and 0 <= row["lateShare"] <= 1

@@ -168,7 +168,7 @@ def native(build):
     return run
 
 
-@pytest.mark.parametrize("elements", [16, 32])
+@pytest.mark.parametrize("elements", [12, 24])
 def test_a_wheel_turns_as_a_native_one_at_any_step_that_is_accepted(build, native, solve, elements):
     expected = native(elements)
     assert expected[0] < -0.1
@@ -191,7 +191,7 @@ def test_dashpots_of_contact_do_not_bound_the_step_of_a_cable_that_stretches(
 
     scene, found = {"touch": touch, "gap": gap}, []
     expected = native(16, **scene)
-    for step in (None, 1e-5, 5e-6):
+    for step in (None, 2e-5, 1e-5):
         mbs, sensors = build(16, extensible=True, **scene)
         report = solve(mbs, END, stepSize=step)
         found.append(at_the_end(mbs, sensors))
