@@ -166,7 +166,7 @@ class SceneLoads:
         shape = (*times.shape, len(self.pattern))
         if self.are_steady and not (self.ramp and times[0, 0] < self.ramp.end):
             return LoadHistory(self.constant, self.pattern, np.zeros(shape), NO_WORK)
-        factors = self.factors(times.ravel().tolist())
+        factors = np.array(self.factors(times.ravel().tolist()), order="C")  # of one type
         return LoadHistory(self.constant, self.pattern, factors.reshape(shape), NO_WORK)
 
 
