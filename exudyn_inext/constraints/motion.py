@@ -199,7 +199,7 @@ def _require_derivative(motion: Motion, t: float, order: int, what: str, name: s
         if jumps[1] > max(_SMOOTH * jumps[0], tolerance):
             raise InputError(
                 f"{name} is not smooth at t = {t:g} s: its {what} jumps by {jumps[1]:.3g} there; let it be "
-                "smooth, or rest before."
+                "smooth, or rest before. What vibrates above 500 Hz needs milliseconds as the unit of time."
             )
         wide, near = (0.5 * (one + other) for one, other in sides)
         found = (4.0 * near - wide) / 3.0  # errors of second order cancel

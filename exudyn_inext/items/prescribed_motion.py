@@ -26,7 +26,8 @@ def CreatePrescribedMotion(
     """Move the position of a cable's node along a curve; its slope stays free.
 
     Adds one CoordinateConstraint with offset user functions for each coordinate, so that native implicit
-    solvers understand it as well. The functions must depend on the time alone.
+    solvers understand it as well. The functions must depend on the time alone. What vibrates above 500 Hz
+    needs milliseconds as the unit of time.
 
     Args:
         mbs: the system where the items are added.

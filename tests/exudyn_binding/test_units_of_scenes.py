@@ -15,7 +15,9 @@ from exudyn.utilities import (
     RevoluteJoint2D,
 )
 
-from exudyn_inext import CreateInextensibleCable, InextensibleCable, SolveExplicit
+from exudyn_inext import CableShape, CreateInextensibleCable, InextensibleCable, InputError, SolveExplicit
+from reference_models.conventional.native_cables import NativeCables
+from reference_models.model import quiet_settings, silence
 
 
 @pytest.mark.parametrize("unit", [1e-2, 1e3])
@@ -58,3 +60,38 @@ def test_scenes_have_the_same_form_and_motion_in_any_unit_of_length(unit):
     (steps, place), (own_steps, own_place) = solve(1.0), solve(unit)
     assert own_steps == steps
     np.testing.assert_allclose(own_place, place, rtol=0, atol=1e-9)
+
+
+def test_a_support_that_vibrates_at_1_kHz_needs_milliseconds():
+    """20 periods of 0.1 mm; refused in seconds, and as a native run in the unit that the message names."""
+
+    def shaken(second, add=CreateInextensibleCable):
+        """mbs, and the tip of its cable.   second: in units of the time."""
+        mbs = exudyn.SystemContainer().AddSystem()
+        section = InextensibleCable(massPerLength=1e-3, bendingStiffness=1e-3 / second**2)
+        shape = CableShape.Line([0, 0], [0.1, 0], numberOfElements=8)
+        gravity, w = [0, -9.81 / second**2, 0], 2e3 * math.pi / second
+        nodes = add(mbs, beamTemplate=section, gravity=gravity, shape=shape)["nodes"]
+
+        def offset(mbs, t, item, constant):
+            x = min(1e3 * t / second, 1.0)
+            return 1e-4 * (1.0 - math.cos(w * t)) * x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
+
+        fixed = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+        for axis, function in ((0, {}), (1, {"offsetUserFunction": offset})):
+            own = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=nodes[0], coordinate=axis))
+            mbs.AddObject(CoordinateConstraint(markerNumbers=[fixed, own], **function))
+        mbs.Assemble()
+        return mbs, nodes[-1]
+
+    def tip(mbs, node):
+        return mbs.GetNodeOutput(node, exudyn.OutputVariableType.Position)
+
+    with pytest.raises(InputError, match="milliseconds as the unit of time"):
+        SolveExplicit(shaken(1.0)[0], quiet_settings(0.02, 200))
+    native = shaken(1e3, NativeCables(axial=1e-2))
+    with silence():
+        native[0].SolveDynamic(quiet_settings(20.0, 2000))
+    own = shaken(1e3)
+    SolveExplicit(own[0], quiet_settings(20.0, 200))
+    np.testing.assert_allclose(tip(*own), tip(*native), rtol=0, atol=1e-5)
