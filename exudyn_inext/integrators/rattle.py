@@ -46,8 +46,11 @@ def checked(scheme: Rattle) -> Rattle:
 
 
 def for_size(scheme: Rattle, size: float) -> Rattle:
-    """The same, with no smaller tolerance than the round-off of differences of such coordinates."""
-    return scheme._replace(tolerance=max(scheme.tolerance, ROUND_OFF * size))
+    """The same; where differences of such coordinates have a larger round-off than usual, with that."""
+    round_off = ROUND_OFF * size
+    if round_off < Rattle().tolerance:
+        return scheme
+    return scheme._replace(tolerance=max(scheme.tolerance, round_off))
 
 
 class RattleState(NamedTuple):
