@@ -79,6 +79,17 @@ def solved(mbs, sensors):
     return [np.array(mbs.GetSensorStoredData(sensor)) for sensor in sensors], report["path"]
 
 
+def at_once_and_seen(build):
+    """mbs, rows and path of a run that takes steps at once, and of one whose steps a function sees."""
+    mbs, sensors = build()
+    own = mbs, *solved(mbs, sensors)
+    mbs, sensors = build()
+    mbs.SetPreStepUserFunction(lambda mbs, t: True)
+    seen = mbs, *solved(mbs, sensors)
+    assert (AT_ONCE in own[2], AT_ONCE in seen[2]) == (True, False)
+    return own, seen
+
+
 def brake(mbs, t, tip):
     velocity = mbs.GetNodeOutput(tip, exudyn.OutputVariableType.Velocity)
     return [-0.2 * velocity[0], -0.2 * velocity[1], 0]
@@ -160,12 +171,7 @@ def bounce(new_mbs, add_pendulum):
 
 
 def test_contact_acts_and_is_shown_as_in_a_run_whose_steps_a_function_sees(bounce):
-    mbs, sensors = bounce()
-    found, path = solved(mbs, sensors)
-    seen_mbs, sensors = bounce()
-    seen_mbs.SetPreStepUserFunction(lambda mbs, t: True)
-    expected, seen_path = solved(seen_mbs, sensors)
-    assert (AT_ONCE in path, AT_ONCE in seen_path) == (True, False)
+    (mbs, found, _), (seen_mbs, expected, _) = at_once_and_seen(bounce)
     for own, other in zip(found, expected, strict=True):
         np.testing.assert_array_equal(own, other)
     assert found[1][-1, 1] < 0 < found[1][1, 1]  # it has closed
@@ -214,13 +220,8 @@ def ball(new_mbs, add_pendulum):
 
 
 def test_distances_of_a_general_contact_are_those_of_a_run_whose_steps_a_function_sees(ball):
-    mbs, sensors = ball()
-    found, path = solved(mbs, sensors)
-    seen_mbs, sensors = ball()
-    seen_mbs.SetPreStepUserFunction(lambda mbs, t: True)
-    expected, seen_path = solved(seen_mbs, sensors)
+    (_, found, path), (_, expected, _) = at_once_and_seen(ball)
     assert "GeneralContact with triangles" in path
-    assert (AT_ONCE in path, AT_ONCE in seen_path) == (True, False)
     for own, other in zip(found, expected, strict=True):  # forces of steps taken again have other round-off
         np.testing.assert_allclose(own, other, rtol=0, atol=1e-13)
     distance, (_, _, height) = found[0][:, 1], found[1][:, 1:].T
