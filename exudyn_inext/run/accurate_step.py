@@ -4,7 +4,8 @@ A transverse wave of the speed c, which the tension gives it, takes 20 steps to 
 time is then near that of the mesh. c^2 is the tension over rho_A that weight, loads and inertia can cause at
 most, and twice the energy by mass that the motion starts with. The first vibration of the bent cable is
 resolved in any case, and among bodies all bending waves that the mesh resolves, or of cables that are
-lighter than each body, longer ones. How fast the motion really
+lighter than each body, longer ones. Of elements whose lengths differ, a wave needs as many of its size as it
+spans: single short ones among others resolve nothing that the others do not. How fast the motion really
 is, the watch finds out, see `watch`: then the step becomes shorter, down to one whose error in bending waves
 is that of the mesh, and where cables stretch, one in which axial waves pass a share of an element.
 """
@@ -13,6 +14,7 @@ import math
 from typing import Any
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from ..arrays import Array
 from ..cable.assembly import elastic_energy
@@ -25,6 +27,7 @@ from .watch import NO_MESH, SMALL
 STEPS_BY_ELEMENT = 20.0  # while a wave passes it
 STEPS_BY_AXIAL_WAVE = 4.0  # while it passes an element: more resolve what the mesh does not
 SHORT_WAVE = 0.2  # step times the frequency of a bending wave of 2 pi elements, among bodies
+SPANNED = 6  # elements by such a wave
 BY_DRAG = 0.02  # step times the rate at which drag slows a cable down
 FIRST_VIBRATION = 0.085  # step over L^2 sqrt(rho_A / EI): 0.3 / 3.52, h w of a cantilever's first one
 
@@ -34,14 +37,14 @@ def accurate_step(run: CableRun, time: float) -> float:
     cable = run.scene_cable.cable
     with np.errstate(over="ignore"):
         speed = _wave_speed(run, time)
-    of_waves = float(cable.element_lengths.min()) / (STEPS_BY_ELEMENT * speed) if speed > 0.0 else math.inf
+    of_waves = _resolved_length(cable) / (STEPS_BY_ELEMENT * speed) if speed > 0.0 else math.inf
     section = cable.section
     bends = math.sqrt(section.mass_per_length / section.bending_stiffness) * cable.length**2
     of_drag = BY_DRAG / run.drag_rate if run.drag_rate > 0.0 else math.inf
     return min(of_waves, FIRST_VIBRATION * bends, of_drag)
 
 
-def step_of_short_waves(run: CableRun, lightest: float = 0.0) -> float:
+def step_of_short_waves(run: CableRun, lightest: float) -> float:
     """Largest step that resolves the bending waves that the mesh of a cable resolves [s].
 
     Among bodies, joints and torques make such waves, of a size that nobody knows before the run. Their energy
@@ -51,15 +54,26 @@ def step_of_short_waves(run: CableRun, lightest: float = 0.0) -> float:
     lightest: body [kg].
     """
     cable = run.scene_cable.cable
-    section, length = cable.section, float(cable.element_lengths.min())
-    longer = max(1.0, math.sqrt(lightest / (section.mass_per_length * cable.length)))
-    return longer * SHORT_WAVE * length**2 * math.sqrt(section.mass_per_length / section.bending_stiffness)
+    longer = max(1.0, math.sqrt(lightest / (cable.section.mass_per_length * cable.length)))
+    return longer * _step_of_waves(cable, _resolved_length(cable))
+
+
+def step_of_shortest_element(run: CableRun) -> float:
+    """As `step_of_short_waves`, if all elements of the cable were as short as its shortest one [s]."""
+    cable = run.scene_cable.cable
+    return _step_of_waves(cable, float(cable.element_lengths.min()))
+
+
+def _step_of_waves(cable: Cable, length: float) -> float:
+    """Step that resolves bending waves of 2 pi elements of that length [m, s]."""
+    section = cable.section
+    return SHORT_WAVE * length**2 * math.sqrt(section.mass_per_length / section.bending_stiffness)
 
 
 def resolution_of_mesh(run: Run, time: float, theta: float) -> Array:
     """(4,) by which the errors of step and mesh in waves of a cable are known, see `watch`.
 
-    c^2 [m^2/s^2], s^2 = EI / rho_A [m^4/s^2], the length l of the shortest element [m], and theta [-].
+    c^2 [m^2/s^2], s^2 = EI / rho_A [m^4/s^2], the length l of elements [m], and theta [-].
     Cables that stretch have other waves, too: of these, and among bodies, only the shortest useful step.
     """
     stretching = [cable for cable in run.cables if cable.stretches]
@@ -71,7 +85,7 @@ def resolution_of_mesh(run: Run, time: float, theta: float) -> Array:
     section = cable.section
     stiffness = section.bending_stiffness / section.mass_per_length
     with np.errstate(over="ignore"):
-        return np.array([_wave_speed(run, time) ** 2, stiffness, cable.element_lengths.min(), theta])
+        return np.array([_wave_speed(run, time) ** 2, stiffness, _resolved_length(cable), theta])
 
 
 def small_error(run: Run) -> float:
@@ -88,6 +102,13 @@ def step_of_axial_waves(cable: Cable) -> float:
     assert section.axial_stiffness
     passing = length * math.sqrt(section.mass_per_length / section.axial_stiffness)
     return passing / STEPS_BY_AXIAL_WAVE
+
+
+def _resolved_length(cable: Cable) -> float:
+    """Length of the elements that resolve the shortest waves: of the longest one that these span [m]."""
+    lengths = cable.element_lengths
+    longest = sliding_window_view(lengths, min(SPANNED, lengths.size)).max(axis=1)
+    return float(longest.min())
 
 
 def _wave_speed(run: CableRun, time: float) -> float:

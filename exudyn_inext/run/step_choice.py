@@ -11,7 +11,13 @@ from dataclasses import dataclass, replace
 from ..cable.cable import Cable
 from ..errors import SceneError, StepSizeError
 from ..integrators.linear_stability import decay_limit, frequency_limit
-from .accurate_step import accurate_step, resolution_of_mesh, small_error, step_of_short_waves
+from .accurate_step import (
+    accurate_step,
+    resolution_of_mesh,
+    small_error,
+    step_of_short_waves,
+    step_of_shortest_element,
+)
 from .cable_run import CableRun
 from .coupled_run import CoupledRun, Run
 from .settings import ExplicitSettings
@@ -196,7 +202,7 @@ def _bounds_and_scaling(
     accuracy = min(accurate_step(cable, start) for cable in cables)
     usual = THETA
     if _are_among_bodies(runs):
-        if accuracy > STIFF * min(map(step_of_short_waves, cables)):
+        if accuracy > STIFF * min(map(step_of_shortest_element, cables)):
             usual = THETA_AMONG_BODIES
         lightest = min(run.lightest_body for run in runs if isinstance(run, CoupledRun))
         of_bending = min(step_of_short_waves(cable, lightest) for cable in cables)

@@ -21,6 +21,7 @@ from exudyn.utilities import InertiaCylinder
 from examples import overhead_line
 from exudyn_inext import (
     AttachToBody,
+    CableShape,
     CreateInextensibleCable,
     ExplicitSettings,
     InextensibleCable,
@@ -83,6 +84,44 @@ def test_vibrations_that_are_the_motion_are_resolved(swing, stiffness, elements)
     finer = report["stepSize"] / 8
     fine, _ = swing(section, elements, CLAMPED, stepSize=finer, massScaling=report["massScaling"])
     assert np.abs(path - fine).max() < 0.01 * np.ptp(fine[:, 1])
+
+
+@pytest.fixture
+def rope_with_one_short_element(new_mbs, add_sensor, solve):
+    """(length of a short element [m] or 0, whether a body hangs on it, settings) -> paths, and report."""
+
+    def run(short, has_body, **explicit):
+        mbs = new_mbs()
+        places = np.linspace(0, 10, 11)
+        places = np.sort(np.append(places, 5 + short)) if short else places
+        line = places[:, None] * np.array([0.8, -0.6])
+        shape = CableShape(line, np.tile([0.8, -0.6], (len(line), 1)))
+        section = InextensibleCable(massPerLength=0.5, bendingStiffness=20)
+        given = {"shape": shape, "beamTemplate": section, "groundConstraintsStart": PINNED}
+        nodes = CreateInextensibleCable(mbs, gravity=[0, -9.81, 0], **given)["nodes"]
+        if has_body:
+            tip = [*line[-1], 0]
+            body = mbs.CreateMassPoint(referencePosition=tip, mass=1, gravity=[0, -9.81, 0], create2D=True)
+            pair = [MarkerNodePosition(nodeNumber=nodes[-1]), MarkerBodyPosition(bodyNumber=body)]
+            pair = [mbs.AddMarker(marker) for marker in pair]
+            mbs.AddObject(SphericalJoint(markerNumbers=pair, constrainedAxes=[1, 1, 0]))
+        sensors = [add_sensor(mbs, node) for node in (nodes[5], nodes[-1])]
+        mbs.Assemble()
+        report = solve(mbs, settings=quiet_settings(1, 100, 0.01), **explicit)
+        return np.hstack([mbs.GetSensorStoredData(sensor)[:, 1:3] for sensor in sensors]), report
+
+    return run
+
+
+@pytest.mark.parametrize("has_body", [False, True])
+def test_a_single_short_element_does_not_shorten_the_step(rope_with_one_short_element, has_body):
+    """It resolves no waves that its neighbours do not."""
+    _, even = rope_with_one_short_element(0, has_body)
+    path, report = rope_with_one_short_element(0.002, has_body)
+    assert report["steps"] <= 2 * even["steps"]
+    given = {"stepSize": report["stepSize"] / 8, "massScaling": report["massScaling"]}
+    fine, _ = rope_with_one_short_element(0.002, has_body, **given)
+    assert np.abs(path - fine).max() < 0.001 * np.ptp(fine, axis=0).max()
 
 
 @pytest.fixture
