@@ -7,11 +7,10 @@ such instructions for, the compiler splits. Rows are (n,) arrays without gaps, n
 `words_of` lays a value out in memory for it.
 """
 
-import gc
 import hashlib
 import time
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, suppress
+from contextlib import AbstractContextManager, suppress
 from copy import copy
 from ctypes import c_size_t, memmove
 from functools import cached_property, partial
@@ -31,6 +30,8 @@ from numba.core.serialize import dumps
 from numba.core.types.containers import BaseTuple, UniTuple
 from numba.core.types.misc import CPointer, unliteral
 from numba.extending import intrinsic, lower_builtin, type_callable
+
+from .garbage import not_collected
 
 FAST_MATH = {"contract", "reassoc", "nsz", "arcp"}  # neither nnan nor ninf: divergence must be seen
 WITHOUT_COUNTS = {"_nrt": False}  # of references to arrays: that took a third of a step of a short chain
@@ -150,17 +151,6 @@ class KernelResult(CompileResult):
         return code, short, environment, signature.replace(args=()), *flags, "", reload, kept
 
 
-@contextmanager
-def _without_collections() -> Iterator[None]:
-    collects = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if collects:
-            gc.enable()
-
-
 # Passes that change nothing here: there are no closures, no `with`, nothing that Numba inlines as source.
 _NEEDLESS = {
     *("WithLifting", "InlineClosureLikes", "RewriteDynamicRaises", "MakeFunctionToJitFunction"),
@@ -213,7 +203,7 @@ class KernelCompiler(ShortCompiler):
         super().__init__(typing, target, library, *others)
 
     def compile_extra(self, func: Any) -> Any:
-        with _without_collections():
+        with not_collected():
             result = super().compile_extra(func)
         for environment in result._find_referenced_environments():
             result.library.codegen.set_env(environment.env_name, environment)

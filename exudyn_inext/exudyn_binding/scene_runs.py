@@ -10,6 +10,7 @@ from ..cable.implicit_bending import ImplicitBending
 from ..cable.many_cables import cable_systems
 from ..checks import LARGEST
 from ..errors import InextensibleError, InputError, SceneError
+from ..garbage import not_collected
 from ..items.functions_of_time import functions_at_rest, step_functions, take_word
 from ..items.parameters import Parameter, markers_placed_by, objects_at
 from ..native.coupled_scene import CoupledScene
@@ -175,7 +176,7 @@ def compiled_runs(
     require_assembled(mbs)
     refuse_step_functions(mbs, where)
     take_word(mbs, explicit.dependsOnTimeOnly)
-    with at_start(mbs, time), at_position_level(mbs, time):
+    with not_collected(), at_start(mbs, time), at_position_level(mbs, time):
         scene = read_scene(mbs)
         if not scene.cables:
             raise SceneError(

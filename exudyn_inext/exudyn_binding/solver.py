@@ -12,6 +12,7 @@ import exudyn
 
 from ..checks import require_flag
 from ..errors import DivergenceError, SceneError
+from ..garbage import not_collected
 from ..items.arguments import explicit_settings, simulation_settings
 from ..items.functions_of_time import functions_at_rest, step_functions, take_word
 from ..items.functions_that_look import look_of_item_functions, look_of_step_functions
@@ -163,6 +164,7 @@ def _solve_from_start(mbs: Any, settings: Any, explicit: ExplicitSettings, longe
     """Arguments: see `_solve`."""
     time = float(settings.timeIntegration.startTime)
     with ExitStack() as start:
+        start.enter_context(not_collected())
         start.enter_context(at_start(mbs, time))
         with at_position_level(mbs, time) as drives:
             start.enter_context(functions_at_rest(mbs))

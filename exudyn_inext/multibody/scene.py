@@ -257,7 +257,7 @@ def _join(joints, share, moving, x, refines):
 
 
 @inlined
-def _accelerate_joined(system, q, v, zeta, learned, acceleration, duration, end_velocity):
+def _accelerate_joined(system, q, v, zeta, learned, acceleration, duration):
     """Those of all parts, from those without joints; see `_join_accelerations` and `improve_damping`."""
     joints, added = system.items.joints, system.items.predicted
     hold(system.items, q, v)
@@ -269,7 +269,6 @@ def _accelerate_joined(system, q, v, zeta, learned, acceleration, duration, end_
         _join(joints, 0.0, 0.0, added, True)
         for i in range(len(q)):
             acceleration[i] += added[i]
-            end_velocity[i] += duration * added[i]
         for r in range(len(joints.multipliers)):
             joints.multipliers[r] += joints.solved[r]
     subtract_forces_of_dashpots(joints, system.items.force)
@@ -288,7 +287,7 @@ def scene_rates(system, external, q, v, acceleration, rate):
     accelerate_bodies(items, v, zeta, acceleration)
     _project_bodies(items, v, zeta, rate)
     if len(items.joints.rows) > 0:
-        _accelerate_joined(system, q, v, zeta, 0.0, acceleration, 0.0, rate)
+        _accelerate_joined(system, q, v, zeta, 0.0, acceleration, 0.0)
         _join(items.joints, zeta, 1.0, rate, True)
 
 
@@ -315,8 +314,12 @@ def accelerate_and_project_scene(system, external, q, v, duration, acceleration,
         end_velocity[i] = v[i] + duration * acceleration[i]
     _project_bodies(items, end_velocity, 0.0, end_velocity)
     if len(items.joints.rows) > 0:
-        _accelerate_joined(system, q, v, 0.0, 1.0, acceleration, duration, end_velocity)
-        _join(items.joints, 0.0, 1.0, end_velocity, True)
+        for i in range(len(q)):
+            end_velocity[i] -= duration * acceleration[i]
+        _accelerate_joined(system, q, v, 0.0, 1.0, acceleration, duration)
+        for i in range(len(q)):
+            end_velocity[i] += duration * acceleration[i]  # so that little is left to the joints
+        _join(items.joints, 0.0, 1.0, end_velocity, False)
     _count_work(items, q)
 
 

@@ -1,6 +1,7 @@
 """Constraints of a cable that depend on each other: seen by the pivots of its factorisation."""
 
-from collections.abc import Iterable, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from ..cable.linked_cable import LinkedCableSystem
 from ..cable.links import all_links
 from ..errors import RedundantConstraintError
 from ..scene.coupled_system import CoupledSystem
+from ..scene.joints import JointBlock
 from ..scene.model import CableInScene
 from ..scene.redundant_rows import NOT_FINITE, not_independent
 from .divergence import listed
@@ -79,13 +81,22 @@ def require_mobile_points(system: CoupledSystem, cables: Sequence[Cable]) -> Non
     """
     blocks, names = system.native_items.blocks, system.native_items.joints
     parts = np.bincount(np.concatenate([block.rows for block in blocks]))
+    of_parts = _by_part(blocks)
     for cable, part in zip(cables, system.parts, strict=False):
         mass = cable.section.mass_per_length * cable.length
-        for block in (one for one in blocks if one.dofs == part.dofs):
+        for block in of_parts[part.dofs.start]:
             entry = np.einsum("ij,ij->i", block.jacobian, block.response)
             least = LEAST_MOBILITY / mass * np.einsum("ij,ij->i", block.jacobian, block.jacobian)
             if (found := np.flatnonzero((parts[block.rows] == 1) & ~(entry > least))).size:
                 raise not_independent([names[row] for row in block.rows[found]])
+
+
+def _by_part(blocks: Iterable[JointBlock]) -> Mapping[int, list[JointBlock]]:
+    """Of each part, by the first of its coordinates; none of a part without joints."""
+    found = defaultdict[int, list[JointBlock]](list)
+    for block in blocks:
+        found[block.dofs.start].append(block)
+    return found
 
 
 def held_straight(scene: Any, q: Array, lacking: float = STRAIGHT) -> list[str]:
@@ -95,9 +106,9 @@ def held_straight(scene: Any, q: Array, lacking: float = STRAIGHT) -> list[str]:
         scene: see `native.evaluated_scene`; its joints have been evaluated.
         q: (n,) coordinates of all parts.   lacking: share of its length that the ends of a cable may lack.
     """
-    names, blocks = [], scene.native_items.blocks
+    names, of_parts = [], _by_part(scene.native_items.blocks)
     for (cable, *_), dofs in zip(scene.cables, scene.map.slices, strict=False):
-        jacobians = [block.jacobian for block in blocks if block.dofs == dofs]
+        jacobians = [block.jacobian for block in of_parts[dofs.start]]
         if is_held_straight(cable.cable, q[dofs], jacobians, lacking):
             names.append(f"cable '{cable.name}'")
     return names
