@@ -117,7 +117,8 @@ class PacedRun:
         if self.names_of_places and (jump := find_jump(self.places, time, time + soon)):
             return (
                 f"Cause: {self.names_of_places[jump.number]} moves by {jump.size:.3g} m (or rad) at once at "
-                f"t = {jump.time:.6g} s, for which no step is small enough: let it get there within some time."
+                f"t = {jump.time:.6g} s, for which no step is small enough: let it get there within some "
+                "time."
             )
         if kick := max((run.loads.jump_of_velocity(time) for run in self.cable_runs), default=0.0):
             return (
