@@ -3,9 +3,9 @@
 Newton's method on the manifold: a step along it, found from the Hessian of the Lagrangian, is followed by
 a projection onto the constraints; the energy must fall. Where the Hessian is not positive along the step,
 some mass is added; where this does not help, a convex model takes its place: bending stiffness, the tension
-where it is positive, and some mass. So the search runs downhill to a stable equilibrium, whether it starts
-taut, slack or upside down. A point where the constrained Hessian is not positive definite is left along its
-worst direction.
+where it is positive, some mass, and at first the stiffness of other items. So the search runs downhill to a
+stable equilibrium, whether it starts taut, slack or upside down. A point where the constrained Hessian is not
+positive definite is left along its worst direction.
 """
 
 from collections.abc import Iterator
@@ -99,7 +99,10 @@ def _models(potential: StaticSystem, q: Array, multipliers: Array) -> Iterator[S
     yield exact
     for factor in SHIFTS:
         yield exact + factor * potential.shift * potential.mass
-    yield potential.convex_model(multipliers, potential.shift)
+    convex = potential.convex_model(multipliers, potential.shift)
+    if potential.of_others is not None:  # without stiffness of contacts, steps run far into these
+        yield convex + potential.of_others
+    yield convex
 
 
 def _line_search(
