@@ -72,7 +72,7 @@ def test_nodal_multipliers_agree_with_the_dense_solve(dim, links):
     """
     state = linked_state(55, 5, dim, MEASURES[0], links)
     weights, direction = np.array([[0.4, 0.7]]), np.array([0.6, 0.8, 0.0])[:dim]
-    turned = Link(prescribed_motion.KIND, (2,), weights, rest(weights[0] @ state.q[2]), direction)
+    turned = Link(prescribed_motion.AT_REST, (2,), weights, rest(weights[0] @ state.q[2]), direction)
     state = replace(state, cable=replace(state.cable, links=(*state.cable.links, turned)))
     system = cable_system(state.cable, ZETA)
     a, rate = np.zeros(state.q.size), np.zeros(state.q.size)
