@@ -442,7 +442,7 @@ class DenseConstraints:
     rows: dict[str, slice]
 
 
-LINKS_LAST = ["distance", "prescribed motion"]  # in the order of `cable.links`
+LINKS_LAST = ["distance", "prescribed motion", "coordinate"]  # in the order of `cable.links`
 
 
 def dense_constraints(cable, q, v, t=0.0):

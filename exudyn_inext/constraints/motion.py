@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,8 @@ STEP = 1e-4  # of the differences [s]
 _SMOOTH = 0.75  # a jump of the derivative stays as the step is halved, a smooth change becomes half
 _NOTICEABLE = 1e-6
 _PLACES = range(-2, 3)  # of values, in steps
+FASTEST = 1e3  # speed of supports and joints, beyond which they jump [m/s]
+AT_ONCE, MOST = 1e-9, 0.9  # duration of a jump [s], and share of it in the half of a duration that has it
 _SOON = 1.0 / 64.0  # of a step, after which what begins has moved
 
 Function = Callable[[float], Any]
@@ -161,6 +163,36 @@ def jump_of_velocity(motion: Motion, t: float) -> float:
 
     wide, narrow = change(8.0 * STEP), change(4.0 * STEP)
     return narrow if narrow > max(_SMOOTH * wide, _NOTICEABLE) else 0.0
+
+
+class Jump(NamedTuple):
+    """number: of the value that jumps.   time: where [s].   size: by how much."""
+
+    number: int
+    time: float
+    size: float
+
+
+def find_jump(values: Function, begin: float, end: float) -> Jump | None:
+    """The largest jump of values from `begin` to `end` [s], or None: what is slower than FASTEST is none.
+
+    values: t [s] -> (n,) [m, rad].
+    """
+    low, middle, high = (values(begin + share * (end - begin)) for share in (0.0, 0.5, 1.0))
+    halves = np.abs([middle - low, high - middle])
+    number = int(np.argmax(np.abs(halves[0] - halves[1])))
+    low, high = low[number], high[number]
+    while end - begin > AT_ONCE:
+        middle = 0.5 * (begin + end)
+        value = values(middle)[number]
+        if abs(value - low) > MOST * abs(high - low):
+            end, high = middle, value
+        elif abs(high - value) > MOST * abs(high - low):
+            begin, low = middle, value
+        else:
+            break
+    size = float(abs(high - low))
+    return Jump(number, end, size) if size > FASTEST * (end - begin) else None
 
 
 def require_smooth(motion: Motion, t: float, name: str) -> None:

@@ -6,11 +6,13 @@ import numpy as np
 
 from ..cable.link import Link, Motion
 
-KIND = "prescribed motion"
+MOVING, AT_REST = "prescribed motion", "coordinate"
+KINDS = MOVING, AT_REST
 
 
 def prescribed(node: int, motion: Motion, axes: Sequence[int], of_slope: bool = False) -> list[Link]:
-    """The given coordinates (0 for x, ...) of a node's position, or slope, follow `motion`."""
+    """The given coordinates (0 for x, ...) of a node's position, or slope, follow `motion`, or rest."""
     dim = motion.at(0.0).shape[1]
     weights = np.array([[0.0, 1.0] if of_slope else [1.0, 0.0]])
-    return [Link(KIND, (node,), weights, motion, np.eye(dim)[axis]) for axis in axes]
+    kind = AT_REST if motion.rests else MOVING
+    return [Link(kind, (node,), weights, motion, np.eye(dim)[axis]) for axis in axes]

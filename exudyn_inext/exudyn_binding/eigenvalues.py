@@ -11,8 +11,9 @@ from ..errors import SceneError
 from ..items.arguments import simulation_settings
 from ..native.coupled_scene import CoupledScene
 from ..scene.model import Scene
+from ..statics.small_motions import SmallMotions, small_motions
 from ..statics.static_system import StaticSystem
-from ..statics.vibrations import SmallMotions, balance, missed_forces, shares_of, small_motions, vibrations
+from ..statics.vibrations import balance, missed_forces, shares_of, vibrations
 from .reports import EigenvalueReport
 from .scene import assemble, initial_states
 from .scene_runs import needs_coupling

@@ -1,5 +1,6 @@
 """The members of an ensemble: systems with equally many coordinates, read one by one, each with its step."""
 
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -71,7 +72,9 @@ def read_members(
     first: Member | None = None
     for number, mbs_of in enumerate(builders):
         with _naming(number):
-            member = _member(mbs_of(), time, duration, h, explicit)
+            mbs = mbs_of()
+            with _naming_warnings(number):
+                member = _member(mbs, time, duration, h, explicit)
             first = first or member
             size, wanted = len(member.reference), len(first.reference)
             if size != wanted:
@@ -94,6 +97,16 @@ def _naming(number: int) -> Iterator[None]:
     except InextensibleError as error:
         error.args = (f"member {number} of the ensemble: {error}", *error.args[1:])
         raise
+
+
+@contextmanager
+def _naming_warnings(number: int) -> Iterator[None]:
+    """So does every warning."""
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        yield
+    for one in found:
+        warnings.warn(f"member {number} of the ensemble: {one.message}", one.category, stacklevel=2)
 
 
 def _runs(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> Sequence[Run]:

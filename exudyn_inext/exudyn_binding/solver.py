@@ -13,7 +13,7 @@ import exudyn
 from ..checks import require_flag
 from ..errors import DivergenceError, SceneError
 from ..garbage import not_collected
-from ..items.arguments import explicit_settings, simulation_settings
+from ..items.arguments import explicit_settings, refuse_others, simulation_settings
 from ..items.functions_of_time import functions_at_rest, step_functions, take_word
 from ..items.functions_that_look import look_of_item_functions, look_of_step_functions
 from ..native.native_items import state_kept
@@ -54,6 +54,7 @@ def SolveExplicit(
     explicitSettings: ExplicitSettings | None = None,
     updateInitialValues: bool = False,
     autoAssemble: bool = True,
+    **others: Any,
 ) -> dict[str, Any]:
     """Explicit dynamics of a scene with inextensible cables, in Exudyn's own time loop.
 
@@ -107,6 +108,7 @@ def SolveExplicit(
         explicitSettings: integrator, step size, stabilisation.
         updateInitialValues: whether the state at the end becomes the initial one, where the next run begins.
         autoAssemble: whether mbs.Assemble() is called if mbs is not assembled, as mbs.SolveDynamic does.
+        others: arguments of mbs.SolveDynamic that have no counterpart; they are refused by name.
 
     Returns:
         dict, which prints as a summary, with 'success', 'integrator', 'steps', 'loopSteps' (of Exudyn's
@@ -132,6 +134,7 @@ def SolveExplicit(
     Example:
         report = SolveExplicit(mbs, simulationSettings, ExplicitSettings(stepSize=2.5e-3))
     """
+    refuse_others("SolveExplicit", others)
     settings = simulation_settings(simulationSettings)
     explicit = explicit_settings(explicitSettings)
     require_flag("updateInitialValues", updateInitialValues)

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..cable.cable import Cable
-from ..constraints.prescribed_motion import KIND
+from ..constraints.prescribed_motion import KINDS
 
 
 def spans_of(cable: Cable, time: float) -> Iterator[tuple[tuple[int, int], float, float]]:
@@ -21,8 +21,8 @@ def _held_points(cable: Cable, time: float) -> list[tuple[int, Array, float]]:
     """(node, point, how far the node may be from it) of pins, clamps, moving supports and hangers."""
     nodes = np.flatnonzero(cable.fixed[:, 0])
     points = [(int(k), cable.reference[k, 0], 0.0) for k in nodes if not (cable.closed and k == nodes[-1])]
-    for node in {link.nodes[0] for link in cable.links if link.kind == KIND}:
-        held = [link for link in cable.links if link.kind == KIND and link.nodes == (node,)]
+    for node in {link.nodes[0] for link in cable.links if link.kind in KINDS}:
+        held = [link for link in cable.links if link.kind in KINDS and link.nodes == (node,)]
         if len(held) == cable.dimension:
             points.append((node, sum(link.normal * link.anchor.at(time)[0] for link in held), 0.0))
     hangers = [link for link in cable.links if len(link.nodes) == 1 and np.isfinite(link.length)]

@@ -15,7 +15,7 @@ from ..cable.cable import Cable
 from ..cable.many_cables import cable_systems
 from ..checks import require_finite, require_functions, require_integer, require_positive
 from ..errors import EquilibriumError, InputError, SceneError
-from ..items.arguments import settings_of, simulation_settings
+from ..items.arguments import refuse_others, settings_of, simulation_settings
 from ..items.functions_of_time import take_word
 from ..loads.weight import ElementWeight
 from ..native.coupled_scene import CoupledScene
@@ -127,6 +127,7 @@ def SolveEquilibrium(
     simulationSettings: Any = None,
     staticSettings: StaticSettings | None = None,
     autoAssemble: bool = True,
+    **others: Any,
 ) -> dict[str, Any]:
     """Static equilibrium of a scene with inextensible cables; the counterpart of mbs.SolveStatic.
 
@@ -146,6 +147,7 @@ def SolveEquilibrium(
             the time; None: nothing is written.
         staticSettings: tolerances and load steps.
         autoAssemble: whether mbs.Assemble() is called if mbs is not assembled, as mbs.SolveStatic does.
+        others: arguments of mbs.SolveStatic that have no counterpart; they are refused by name.
 
     Returns:
         dict, which prints as a summary, with 'success', 'residual' [N], 'violation' of constraints [-, m],
@@ -169,6 +171,7 @@ def SolveEquilibrium(
         mbs.SetLoadParameter(ice, "loadVector", [0, 0, 0])
         SolveExplicit(mbs, simulationSettings)
     """
+    refuse_others("SolveEquilibrium", others)
     settings = simulation_settings(simulationSettings)
     static: StaticSettings = settings_of(StaticSettings, "staticSettings", staticSettings)
     assemble(mbs, "SolveEquilibrium", autoAssemble)

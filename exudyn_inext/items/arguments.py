@@ -1,5 +1,6 @@
 """Arguments that the public functions have in common: the system, its items, settings."""
 
+from collections.abc import Mapping
 from numbers import Integral
 from typing import Any
 
@@ -30,6 +31,20 @@ def settings_of(kind: Any, name: str, given: Any) -> Any:
     if not isinstance(given, kind):
         raise InputError(f"{name} = {given!r}: must be {kind.__name__}(), an object, or None.")
     return given
+
+
+_INSTEAD = {
+    "solverType": "ExplicitSettings(integrator=...) chooses the integrator",
+    "updateInitialValues": "leave it out, as the equilibrium becomes the initial state",
+    "storeSolver": "leave it out",
+} | dict.fromkeys(("showHints", "showCausingItems"), "leave it out, as errors name cause and remedy")
+
+
+def refuse_others(function: str, others: Mapping[str, Any]) -> None:
+    """Raise InputError for arguments that a function does not have, with what native ones become here."""
+    for name, value in others.items():
+        instead = _INSTEAD.get(name, f"help({function}) lists those that there are")
+        raise InputError(f"{name} = {value!r}: {function} has no such argument; {instead}.")
 
 
 LARGEST_INDEX = 2**31 - 1  # of Exudyn

@@ -15,6 +15,7 @@ from .implicit_contacts import add_contact, mark_implicit
 from .ramps import ramps_of
 from .rows import ROW
 from .scene import Items, SceneSystem
+from .sliding import span_chains
 from .trees import trees_of
 
 FunctionOfTime = Callable[[Sequence[float]], Array]
@@ -91,6 +92,7 @@ def with_dashpots(
     holding = len(joints.rows)
     rows = np.zeros(holding + len(dashpots), ROW)
     rows[:holding], rows[holding:] = joints.rows, dashpots
+    span_chains(items.sliders, items.points)
     given = places, items.bodies, items.points, rows, drift_correction, still
     built = build_joints(*given, _ends(chains, places, items.sliders), holding)
     if len(built.nodes.dof):

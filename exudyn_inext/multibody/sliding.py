@@ -67,6 +67,13 @@ class NoSliders(NamedTuple):
     records: Any = np.zeros(0, SLIDER)
 
 
+def span_chains(sliders, points):
+    """Let coordinates of its whole chain belong to each point that slides, until it is placed again."""
+    records = sliders.records
+    points["first"][records["point"]] = records["first"]
+    points["width"][records["point"]] = 2 * records["dimension"] * (records["elements"] + 1)
+
+
 @protocol
 def place_sliders(sliders, points, q):
     """Places, frames and Jacobians at q (n,); all other points are placed."""

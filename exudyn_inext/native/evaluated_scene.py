@@ -191,7 +191,8 @@ class SceneOfExudyn(EvaluatedScene):
         energy_report[RESOLVED] += self._kinetic_energy_of_bodies(q, a)
         energy_report[POWER] += float(self.system.multipliers @ self.system.drift)
         if self.joints and scale < np.inf:
-            energy_report[VIOLATION] = max(energy_report[VIOLATION], self.violation(t, q) / scale)
+            violation = float(np.abs(self.violations(t, q)).max())
+            energy_report[VIOLATION] = max(energy_report[VIOLATION], violation / scale)
 
     def kinetic_energy(self, q: Array, v: Array) -> float:
         total = self._kinetic_energy_of_bodies(q, v)
@@ -228,10 +229,10 @@ class SceneOfExudyn(EvaluatedScene):
         if self.parts_in_one:
             self.parts_in_one.form.leave_out_turns(way)
 
-    def violation(self, t: float, q: Array) -> float:
+    def violations(self, t: float, q: Array) -> Array:
         if self.parts_in_one:
-            return self.parts_in_one.form.violation(t, q)
-        return float(np.abs(self.native_items.violations(t, q)).max())
+            return self.parts_in_one.form.violations(t, q)
+        return self.native_items.violations(t, q)
 
     def memory(self) -> dict[str, Any]:
         """Drift corrections of joints and quaternions, where joints slide, how they are steered, by names."""

@@ -45,6 +45,7 @@ class CableLoads:
         force = self._constant_force
         self.constant = np.concatenate([force, *(_at_rest(motion, self._dimension) for motion in motions)])
         self._motions = [motion for motion in motions if not motion.rests]
+        self._names = [_name_of(motion, cable) for motion in self._motions]
         self._histories = [load for load in cable.loads if load.history is not None]
         self._functions = LoadFunctions([_asked(load) for load in self._histories])
         self._out_of_plane = self._columns_out_of_plane(self._histories)
@@ -206,10 +207,14 @@ class CableLoads:
         """Of supports near `time` [s] [m/s]; or 0."""
         return max((jump_of_velocity(motion, time) for motion in self._motions), default=0.0)
 
-    def jump_of_places(self, time: float, end: float) -> float:
-        """Largest way of a support from `time` to `end` [s] [m]."""
-        ways = [motion.at(end)[0] - motion.at(time)[0] for motion in self._motions]
-        return max((float(np.linalg.norm(way)) for way in ways), default=0.0)
+    def places(self, time: float) -> Array:
+        """(k,) coordinates of all motions at `time` [s] [m]."""
+        return np.concatenate([np.zeros(0), *(motion.at(time)[0] for motion in self._motions)])
+
+    @property
+    def names_of_places(self) -> list[str]:
+        """(k,) whose they are, for messages."""
+        return [name for name in self._names for _ in range(self._dimension)]
 
     def _components_at(self, load: CableLoad, time: float) -> Array:
         """(m,) components of a load with a history."""
@@ -238,6 +243,13 @@ class CableLoads:
         patterns = np.zeros((len(forces), len(self.constant)))
         patterns[:, : forces.shape[1]] = forces
         return patterns
+
+
+def _name_of(motion: Motion, cable: CableInScene) -> str:
+    """Which constraint of a cable follows it."""
+    link = next(link for link in all_links(cable.cable) if link.anchor is motion)
+    names = " and ".join(str(cable.item.node_names[k]) for k in link.nodes)
+    return f"the {link.kind} constraint at node {names} of cable '{cable.name}'"
 
 
 def _asked(load: CableLoad) -> Asked:

@@ -587,9 +587,13 @@ class CableRun(PacedRun):
         is_straight = is_held_straight(self.scene_cable.cable, self.state.q, (), PULLED)
         return [self.name] if is_straight else []
 
-    def jump_of_places(self, time: float, end: float) -> float:
-        """See `PacedRun.jump_of_places`."""
-        return self.loads.jump_of_places(time, end)
+    def places(self, time: float) -> Array:
+        """See `PacedRun.places`."""
+        return self.loads.places(time)
+
+    @property
+    def names_of_places(self) -> list[str]:
+        return self.loads.names_of_places
 
     def _stability_limit(self, frequency: float) -> float:
         if math.isnan(frequency):

@@ -620,6 +620,11 @@ class CompiledScene:
         """Largest |c| of the joints [m, -]."""
         return float(self._violation(*self._joined, self.loads.of_joints(t), q))
 
+    def violations(self, t: float, q: Array) -> Array:
+        """See `EvaluatedScene`."""
+        self.violation(t, q)
+        return self.system.items.joints.value[: len(self.multipliers)].copy()
+
     def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
         """See `EvaluatedScene`."""
         dofs, system, loads = self._cables[cable]

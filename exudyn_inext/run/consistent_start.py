@@ -16,12 +16,17 @@ from ..cable.many_cables import in_few_chains
 from ..cable.sparse_forms import mass_of_cable
 from ..called_system import Bound
 from ..constraints import constraints_of_cable
-from ..constraints.prescribed_motion import KIND as PRESCRIBED
+from ..constraints.prescribed_motion import AT_REST, MOVING
 from ..errors import SceneError
 from ..scene.model import CableInScene
 from ..statics.saddle_point import factorise, solve
 from ..system import accelerate_and_project, correct_position
 from .step_control import ROUND_OFF
+
+_REMEDIES = {
+    MOVING: "let the motion begin there (CreatePrescribedMotion takes positions, not displacements), ",
+    AT_REST: "set an offset back that functions of an earlier run have left, ",
+}
 
 
 def kinetic_energy(cable: Cable, v: Array) -> float:
@@ -168,25 +173,22 @@ def _is_kept_along(system: Any, correct: Bound, cable: Cable, q: Array, v: Array
 def require_consistent(scene_cable: CableInScene, violation: Violation, tolerance: float) -> None:
     """Raise SceneError, which names the worst constraint and by how much it is violated."""
     if not violation.size <= tolerance:
-        said = found(scene_cable, violation, tolerance)
-        motion = (
-            "let the motion begin there (CreatePrescribedMotion takes positions, not displacements; an "
-            "offset that functions of an earlier run have left is to be set back), "
-        )
+        said, kind = found(scene_cable, violation, tolerance)
         raise SceneError(
-            f"{said}: correct the initial values of its nodes, {motion if PRESCRIBED in said else ''}start "
+            f"{said}: correct the initial values of its nodes, {_REMEDIES.get(kind, '')}start "
             "from an equilibrium (SolveEquilibrium), or let a larger startTolerance project them."
         )
 
 
-def found(scene_cable: CableInScene, violation: Violation, tolerance: float) -> str:
-    """What violates which constraint, and by how much."""
+def found(scene_cable: CableInScene, violation: Violation, tolerance: float) -> tuple[str, str]:
+    """What violates which constraint, and by how much; and its kind."""
     constraints = constraints_of_cable(scene_cable.cable)
     kind, where = constraints.describe(violation.row, scene_cable.item.node_names)
-    return (
+    said = (
         f"the {violation.what} of cable '{scene_cable.name}' violate the {kind} "
         f"constraint at the {where} by {violation.size:.3g} (limit {tolerance:g})"
     )
+    return said, kind
 
 
 def settle(system: Any, inputs: Array, q: Array, v: Array, projected: Array | None = None) -> None:
@@ -235,7 +237,7 @@ def project(
     if far is not None:
         v[:] = nearest_velocities(cable, q, v, time)
         energies = kinetic_energy(cable, given_v), kinetic_energy(cable, v)
-        warn_of_velocities(found(scene_cable, far, tolerance), *energies)
+        warn_of_velocities(found(scene_cable, far, tolerance)[0], *energies)
     held = np.repeat(cable.fixed[:, :, None], cable.dimension, axis=2).ravel()
     q[held] = cable.reference.ravel()[held]
     v[held] = 0.0

@@ -215,12 +215,17 @@ class LimitedRun(PacedRun):
         """See `PacedRun.straight_cables`."""
         return held_straight(self._scene, self.state.q, PULLED)
 
-    def jump_of_places(self, time: float, end: float) -> float:
-        """See `PacedRun.jump_of_places`."""
-        jumps = [run.loads.jump_of_places(time, end) for run in self._runs]
+    def places(self, time: float) -> Array:
+        """See `PacedRun.places`."""
+        found = [run.loads.places(time) for run in self._runs]
         if self._scene.joints:
-            jumps.append(self.mover.evaluated.violation(end, self.state.q))
-        return max(jumps, default=0.0)
+            found.append(self.mover.evaluated.violations(time, self.state.q))
+        return np.concatenate([np.zeros(0), *found])
+
+    @property
+    def names_of_places(self) -> list[str]:
+        names = [name for run in self._runs for name in run.loads.names_of_places]
+        return [*names, *self._scene.native_items.joints] if self._scene.joints else names
 
     def outruns_limit(self, piece: Piece, since: int, done: int) -> bool:
         """Whether the steps of this piece are too long by now.

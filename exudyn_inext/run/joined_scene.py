@@ -38,8 +38,8 @@ class EvaluatedScene(Protocol):
     def leave_out_turns(self, way: Array) -> None:
         """Take whole turns off the angles of bodies in space, in place.   way: (n,)."""
 
-    def violation(self, t: float, q: Array) -> float:
-        """Largest violation of a joint [m, -]."""
+    def violations(self, t: float, q: Array) -> Array:
+        """(m,) of the rows of joints [m, -]."""
 
     def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
         """Accelerations of a cable, whose system then holds its multipliers.

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array, Places
+from ..constraints.motion import STEP, find_jump
 from ..integrators.integrator import Integrator
 from .kept_state import KeptState
 from .redundancy import pulled_straight
@@ -15,11 +16,11 @@ from .step_control import PIECE, ROUND_OFF, Piece, StepControl
 from .time_grid import TimeGrid
 from .watch import ENERGY, TOO_FAST
 
-FASTEST = 1e3  # speed of supports and joints, beyond which they jump [m/s]
 HIDING_PARTS = 16  # of the nominal step, from which on steps that go wrong are smaller for a while only
 LEAST_REHEARSED = 4  # intervals of the loop
 STEPS_OF_MOTION, FAST = (64, 256), 0.1  # that show how fast a motion begins; by step [rad]
 STEPS_REHEARSED = 1000  # at most, of a run that goes on portion by portion
+SEEN_AHEAD = 3.0 * STEP  # how far differences see jumps before they happen [s]
 SHORTER = 0.9  # times the step before, from which on it sets axial vibrations free
 LONGER = 4.0  # times the step, with which accelerations are compared
 SMALLEST_PARTS = 256  # and up to which all are, where no smaller ones for a while go well
@@ -100,18 +101,24 @@ class PacedRun:
         """All that the next steps depend on, as it is now."""
         return KeptState(self.memory(), self.elsewhere)
 
-    def jump_of_places(self, time: float, end: float) -> float:
-        """By how much supports or joints leave the present state from `time` to `end` [s] [m, -]."""
+    def places(self, time: float) -> Array:
+        """(k,) where supports and joints are at `time` [s], from wherever they are counted [m, rad]."""
+        raise NotImplementedError
+
+    @property
+    def names_of_places(self) -> list[str]:
+        """(k,) whose `places` are, for messages."""
         raise NotImplementedError
 
     def known_cause(self, time: float) -> str:
         """Why no step was small enough, if that is known.   time: start of the interval of the loop [s]."""
-        time, duration = time + self.control.offset, 2 * PIECE * self.control.present
-        jump, step = self.jump_of_places(time, time + duration), self.watch.resolving_step
-        if jump > FASTEST * duration:
+        time, step = time + self.control.offset, self.watch.resolving_step
+        soon = max(2 * PIECE * self.control.present, SEEN_AHEAD)
+        if self.names_of_places and (jump := find_jump(self.places, time, time + soon)):
             return (
-                f"Cause: a support or joint moves by {jump:.3g} m at once at t = {time:.6g} s, for which no "
-                "step is small enough: let it get there within some time."
+                f"Cause: {self.names_of_places[jump.number]} moves by {jump.size:.3g} m (or rad) at once at "
+                f"t = {jump.time:.6g} s, for which no step is small enough: let it get there within some "
+                "time."
             )
         if kick := max((run.loads.jump_of_velocity(time) for run in self.cable_runs), default=0.0):
             return (

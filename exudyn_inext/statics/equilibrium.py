@@ -3,9 +3,9 @@
 Newton's method on the manifold: a step along it, found from the Hessian of the Lagrangian, is followed by
 a projection onto the constraints; the energy must fall. Where the Hessian is not positive along the step,
 some mass is added; where this does not help, a convex model takes its place: bending stiffness, the tension
-where it is positive, and some mass. So the search runs downhill to a stable equilibrium, whether it starts
-taut, slack or upside down. A point where the constrained Hessian is not positive definite is left along its
-worst direction.
+where it is positive, some mass, and at first the stiffness of other items. So the search runs downhill to a
+stable equilibrium, whether it starts taut, slack or upside down. A point where the constrained Hessian is not
+positive definite is left along its worst direction.
 """
 
 from collections.abc import Iterator
@@ -17,6 +17,7 @@ import numpy as np
 from ..arrays import Array, SparseArray
 from .feasible import cautious, feasible, followed, straight
 from .saddle_point import factorise, solve
+from .small_motions import small_motions
 from .stability import round_off, smallest_eigenvalue
 from .static_system import StaticSystem
 
@@ -98,7 +99,10 @@ def _models(potential: StaticSystem, q: Array, multipliers: Array) -> Iterator[S
     yield exact
     for factor in SHIFTS:
         yield exact + factor * potential.shift * potential.mass
-    yield potential.convex_model(multipliers, potential.shift)
+    convex = potential.convex_model(multipliers, potential.shift)
+    if potential.of_others is not None:  # without stiffness of contacts, steps run far into these
+        yield convex + potential.of_others
+    yield convex
 
 
 def _line_search(
@@ -139,7 +143,7 @@ def find_equilibrium(potential: StaticSystem, start: Array, options: StaticOptio
     multipliers, first = np.zeros(len(potential.values(q))), q
     limit = options.tolerance * potential.largest_load
     message, eigenvalue, residual = "", np.nan, np.inf
-    iterations = 0
+    iterations, about = 0, None
     while iterations < options.iterations:
         iterations += 1
         potential.turn_with(q)
@@ -150,7 +154,8 @@ def find_equilibrium(potential: StaticSystem, start: Array, options: StaticOptio
         if residual > limit and slope < 0.0 and not (is_stalled and residual > 0.5 * previous):
             following = _line_search(potential, q, direction, slope, options.feasibility)
         if following is None:
-            eigenvalue, worst = smallest_eigenvalue(potential, q, multipliers)
+            about = small_motions(potential, q, multipliers)
+            eigenvalue, worst = smallest_eigenvalue(about)
             following = _escape(potential, q, worst, eigenvalue, options)
         if following is None:
             break
@@ -159,8 +164,8 @@ def find_equilibrium(potential: StaticSystem, start: Array, options: StaticOptio
             message = "it runs away: its loads are not balanced by anything that holds it"
             break
     is_balanced = residual <= max(1e3 * limit, potential.round_off)
-    is_stable = eigenvalue > potential.indifferent or eigenvalue > -round_off(potential, q, multipliers)
-    converged = is_balanced and is_stable and not message
+    is_stable = eigenvalue > potential.indifferent or (about and eigenvalue > -round_off(about))
+    converged = bool(is_balanced and is_stable and not message)
     if not converged and not message:
         message = "no stable equilibrium within reach"
     violation = float(np.abs(potential.values(q)).max(initial=0.0))

@@ -195,7 +195,8 @@ class JoinedPotential(StaticSystem):
         if len(places):
             of_norms = np.repeat(multipliers[first : first + len(places)], 4)
             total += scipy.sparse.csr_array((of_norms, (places.ravel(), places.ravel())), total.shape)
-        total += self._of_others(q, multipliers[first + len(places) :])
+        self.of_others = self._of_others(q, multipliers[first + len(places) :])
+        total += self.of_others
         return scipy.sparse.csr_array(total + SHARE * self.shift * self.mass)
 
     def _of_others(self, q: Array, nu: Array) -> SparseArray:

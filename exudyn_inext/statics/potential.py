@@ -16,7 +16,7 @@ from ..cable.sparse_forms import assembled, elastic_tangent, left_nodes, masses_
 from ..cable.support_forces import SupportForces
 from ..constraints import constraints_of_cable, constraints_of_cables, kinds_of_cable
 from ..constraints.kinds import HELD
-from ..constraints.prescribed_motion import KIND as MOTION
+from ..constraints.prescribed_motion import KINDS as MOTIONS
 from ..element.bending import stiffness_matrix
 from ..element.forms import forms_of_mesh
 from ..element.inextensibility import slope_gram_matrix
@@ -208,7 +208,7 @@ def support_forces(cable: Cable, q: Array, multipliers: Array, time: float) -> S
     of_links, held = np.zeros(len(cable.links)), np.zeros(constraints.number)
     for kind in {link.kind for link in cable.links}:
         of_links[[link.kind == kind for link in cable.links]] = multipliers[constraints.rows[kind]]
-    for kind in constraints.rows.keys() & {*HELD, MOTION}:
+    for kind in constraints.rows.keys() & {*HELD, *MOTIONS}:
         held[constraints.rows[kind]] = multipliers[constraints.rows[kind]]
     on_coordinates: Array = (constraints.jacobian(q, time).T @ held).reshape(q.shape)
     if cable.closed:

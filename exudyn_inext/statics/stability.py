@@ -5,7 +5,7 @@ import scipy
 
 from ..arrays import Array
 from .saddle_point import factorise, solve
-from .static_system import StaticSystem
+from .small_motions import SmallMotions
 
 LANCZOS_STEPS = 60
 BETWEEN = 10  # steps between two looks
@@ -16,14 +16,13 @@ SMALL = 0.01  # eigenvalue, in units of the loads' own [-]
 NEGLIGIBLE = 1e-10  # of the inverse eigenvalues: round-off of those that are infinite
 
 
-def smallest_eigenvalue(potential: StaticSystem, q: Array, multipliers: Array) -> tuple[float, Array]:
+def smallest_eigenvalue(about: SmallMotions) -> tuple[float, Array]:
     """Of the Hessian on the constraints' null space, over the mass [1/s^2], and its vector (n_dof,).
 
     Lanczos iteration with the inverse, orthogonalised: if some eigenvalues are negative, the one nearest
     to zero of those that are no round-off of something indifferent.
     """
-    hessian, jacobian = potential.hessian(q, multipliers), potential.jacobian(q)
-    hessian = 0.5 * (hessian + hessian.T)  # of torques it is not symmetric
+    potential, q, _, hessian, jacobian = about
     rows = min(LANCZOS_STEPS, q.size - jacobian.shape[0])
     if rows < 1:
         return np.inf, np.zeros(q.size)
@@ -58,14 +57,15 @@ def smallest_eigenvalue(potential: StaticSystem, q: Array, multipliers: Array) -
     return float(1.0 / values[-1]), modes[-1]
 
 
-def round_off(potential: StaticSystem, q: Array, multipliers: Array) -> float:
+def round_off(about: SmallMotions) -> float:
     """By how much an eigenvalue may be off and still be small beside what the loads cause [1/s^2].
 
     0 for an inextensible cable by itself, whose Hessian contains no differences.
     """
+    potential = about.system
     if potential.indifferent == 0.0:
         return 0.0
-    stiffness, mass = abs(potential.hessian(q, multipliers).diagonal()), potential.mass.diagonal()
+    stiffness, mass = abs(about.hessian.diagonal()), potential.mass.diagonal()
     moved = mass > 0.0
     errors = ROUND_OFF * stiffness[moved] + OF_FORCES * potential.largest_load
     return min(float((errors / mass[moved]).max(initial=0.0)), SMALL * potential.shift)

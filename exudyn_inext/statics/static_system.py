@@ -15,6 +15,7 @@ class StaticSystem(Protocol):
     mass: (n, n).   metric: (n, n) by which the way back to the constraints is the shortest one.
     order: (n,) place of each coordinate in the order of elimination.
     indifferent: eigenvalue, at most 0, above which an equilibrium counts as stable [1/s^2].
+    of_others: (n, n) what items that are no cables add to the last Hessian; None: there are none.
     round_off: force that round-off of strains leaves [N], also of places far from the origin.
     """
 
@@ -25,6 +26,7 @@ class StaticSystem(Protocol):
     largest_load: float
     shift: float
     indifferent: float = 0.0
+    of_others: "SparseArray | None" = None
     round_off: float = 0.0
 
     def turn_with(self, q: Array) -> None:
@@ -71,4 +73,4 @@ class StaticSystem(Protocol):
         """(n, n) of the Lagrangian."""
 
     def convex_model(self, multipliers: Array, shift: float) -> SparseArray:
-        """(n, n) positive definite, near to the Hessian."""
+        """(n, n) positive definite, near to the Hessian but for what other items add to it."""

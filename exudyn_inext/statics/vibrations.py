@@ -1,35 +1,19 @@
 """The lowest vibrations about an equilibrium, on its constraints."""
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import scipy
 
-from ..arrays import Array, SparseArray
+from ..arrays import Array
 from .saddle_point import factorise, solve
+from .small_motions import SmallMotions
 from .static_system import StaticSystem
 
 FEW = 300  # coordinates, of which all vibrations are found at once
 INDEPENDENT = 1e-6  # relative error of violations that are asked for
 SHIFT = 1e-3  # below zero, in units of the loads' own eigenvalue: what is free to move has an inverse, too
 STEP = 1e-6  # of differences of forces [m, -]
-
-
-class SmallMotions(NamedTuple):
-    """Of a system about its rest at q: hessian (n, n) of the Lagrangian, symmetric; jacobian (m, n)."""
-
-    system: StaticSystem
-    q: Array
-    multipliers: Array
-    hessian: SparseArray
-    jacobian: SparseArray
-
-
-def small_motions(system: StaticSystem, q: Array, multipliers: Array) -> SmallMotions:
-    """system: at rest at q, with these multipliers."""
-    hessian = system.hessian(q, multipliers)
-    symmetric = 0.5 * (hessian + hessian.T)  # of torques it is not
-    return SmallMotions(system, q, multipliers, symmetric, system.jacobian(q))
 
 
 def balance(system: StaticSystem, q: Array) -> tuple[Array, float]:

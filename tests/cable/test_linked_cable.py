@@ -13,6 +13,7 @@ from exudyn_inext.system import accelerate_and_project, correct_position, index_
 from tests.cables import (
     DIMENSIONS,
     LINKS,
+    LINKS_LAST,
     MEASURES,
     dense_constraints,
     dense_mass,
@@ -71,7 +72,7 @@ def test_nodal_multipliers_agree_with_the_dense_solve(dim, links):
     """
     state = linked_state(55, 5, dim, MEASURES[0], links)
     weights, direction = np.array([[0.4, 0.7]]), np.array([0.6, 0.8, 0.0])[:dim]
-    turned = Link(prescribed_motion.KIND, (2,), weights, rest(weights[0] @ state.q[2]), direction)
+    turned = Link(prescribed_motion.AT_REST, (2,), weights, rest(weights[0] @ state.q[2]), direction)
     state = replace(state, cable=replace(state.cable, links=(*state.cable.links, turned)))
     system = cable_system(state.cable, ZETA)
     a, rate = np.zeros(state.q.size), np.zeros(state.q.size)
@@ -109,7 +110,7 @@ def test_projection_of_positions_and_velocities_agrees_with_the_dense_solve(dim,
     value = dense_constraints(cable, moved, state.v, state.time).value
     assert relative_error(correction, -project @ value) < 1e-10
     assert worst >= 0.99 * np.abs(value[c.rows["nodal inextensibility"]]).max()
-    of_links = [value[c.rows[name]] for name in ("distance", "prescribed motion") if name in c.rows]
+    of_links = [value[c.rows[name]] for name in LINKS_LAST if name in c.rows]
     assert worst >= max((np.abs(x).max() for x in of_links), default=0.0) / cable.element_lengths.max()
 
 

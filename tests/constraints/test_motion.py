@@ -5,6 +5,7 @@ import pytest
 
 from exudyn_inext.constraints.motion import (
     differences,
+    find_jump,
     jump_of_velocity,
     many_differences,
     motion_of,
@@ -111,6 +112,15 @@ def test_a_quick_ramp_has_its_derivatives_where_it_begins(duration, rests_before
     assert np.abs(motion.at(0.0)[1]).max() < 1e-7  # the limit of initial velocities is 1e-6
     np.testing.assert_allclose(motion.at(0.0)[2], [0.3 * acceleration / duration**2, 0.0], atol=5e-3)
     require_smooth(motion, 0.0, "the ramp")
+
+
+def test_a_jump_is_found_among_values_that_move_fast():
+    def values(t):
+        return np.array([200.0 * t, 0.1 * (t > T) + t, np.sin(300.0 * t)])
+
+    jump = find_jump(values, T - 3e-4, T + 4e-4)
+    assert jump.number == 1 and jump.time == pytest.approx(T, abs=1e-8) and jump.size == pytest.approx(0.1)
+    assert find_jump(values, T + 1e-6, T + 4e-4) is None
 
 
 def test_a_run_may_begin_where_a_motion_ends_unless_its_velocity_jumps_there():

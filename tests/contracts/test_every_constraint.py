@@ -1,8 +1,11 @@
 """What every kind of constraint must fulfil, on cables with every kind of support."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from exudyn_inext.cable.link import rest
 from exudyn_inext.cable.links import CLOSURE
 from exudyn_inext.constraints import constraints_of_cable, distance, prescribed_motion
 from exudyn_inext.constraints.kinds import HELD
@@ -33,9 +36,16 @@ def linked_states(dim):
         yield linked_state(12, NUMBER, dim, MEASURES[0], links)
 
 
+def held_state(dim):
+    """One coordinate of a position is held."""
+    state = random_state(13, NUMBER, dim, MEASURES[0], NUMBER, "free")
+    links = prescribed_motion.prescribed(2, rest(state.q[2, 0] + 0.01), [1])
+    return replace(state, cable=replace(state.cable, links=tuple(links)))
+
+
 def all_constraints():
     for dim in DIMENSIONS:
-        for state in (*states(dim), *linked_states(dim)):
+        for state in (*states(dim), *linked_states(dim), held_state(dim)):
             yield state, constraints_of_cable(state.cable)
 
 
@@ -53,7 +63,7 @@ def expected_number(cable):
 
 def test_the_sweep_meets_every_kind():
     names = {name for _, constraints in all_constraints() for name in constraints.rows}
-    links = {CLOSURE, distance.KIND, prescribed_motion.KIND}
+    links = {CLOSURE, distance.KIND, *prescribed_motion.KINDS}
     assert names == {*HELD, "length", "nodal inextensibility", *links}
 
 

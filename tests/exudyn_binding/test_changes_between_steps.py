@@ -847,6 +847,19 @@ def test_what_a_run_cannot_follow_is_refused_with_the_state_before(change, besid
     )
 
 
+def test_a_parameter_that_does_not_exist_is_named_as_it_was_set():
+    """The message was of a parameter that cannot be read, which the step function had not tried."""
+    model = Model(False)
+
+    def step_user_function(mbs, t):
+        mbs.SetObjectParameter(model.supports[0], "ofset", 0.1)
+        return True
+
+    model.mbs.SetPreStepUserFunction(step_user_function)
+    with pytest.raises(exudyn.ModelError, match=r"SetParameter.*ofset cannot be modified"):
+        model.run(0.2, 1e-3)
+
+
 @pytest.mark.parametrize("time", [0.1, 0.2])
 def test_refusals_that_a_step_function_catches_end_the_run(time):
     model = Model(False)

@@ -128,6 +128,17 @@ def test_what_only_exudyn_can_evaluate_is_refused_by_name():
     assert last_state(build(0))[0]["success"]
 
 
+def test_initial_velocities_that_are_projected_name_the_member():
+    systems = [exudyn.SystemContainer().AddSystem() for _ in range(2)]
+    nodes = [add_pendulum(mbs)["nodes"] for mbs in systems]
+    systems[1].SetNodeParameter(nodes[1][0], "initialVelocities", [0.0, 0.5, 0.0, 0.0])
+    for mbs in systems:
+        mbs.Assemble()
+    said = r"^member 1 of the ensemble: the initial velocities of cable 'object0' violate the pin .* by 0\.5"
+    with pytest.warns(UserWarning, match=said):
+        SolveEnsemble(systems, quiet_settings(0.01, 1))
+
+
 def test_members_with_other_bodies_are_refused():
     def build(bodies):
         mbs = exudyn.SystemContainer().AddSystem()

@@ -418,7 +418,7 @@ def test_an_offset_that_jumps_in_time_is_named_with_its_size():
     """The error advised smaller steps, where none is small enough."""
     rope = Rope([2, 0, 0], STEEL)
     rope.tie(rope.nodes[-1], 1, offsetUserFunction=lambda mbs, t, number, offset: 0.02 * (t > 0.3))
-    with pytest.raises(DivergenceError, match=r"moves by 0\.02 m at once at t = 0\.(29|3)"):
+    with pytest.raises(DivergenceError, match=r"motion .* node 10 .* by 0\.02 m .* at t = 0\.3 s"):
         rope.run(0.5, stepSize=2e-4)
 
 
@@ -427,8 +427,17 @@ def test_it_is_named_as_the_cause_beside_bodies_too():
     rope = Rope([2, 0, 0], {"massPerLength": 0.25, "bendingStiffness": 2.0}, is_pinned=False)
     rope.hang_on_a_mass(5.0)
     rope.tie(rope.nodes[-1], 1, offsetUserFunction=lambda mbs, t, number, offset: 0.05 * (t > 0.1))
-    with pytest.raises(DivergenceError, match=r"Cause: a support or joint moves by 0\.05 m"):
+    with pytest.raises(DivergenceError, match=r"Cause: .*node 10 .* moves by 0\.05 m .* at t = 0\.1 s"):
         rope.run(0.2)
+
+
+def test_a_jump_of_a_joint_is_named_before_its_time_comes():
+    """Differences see it two hundredths of a step before: steps became too small to reach it."""
+    rope = Rope([2, 0, 0], {"massPerLength": 0.25, "bendingStiffness": 2.0}, is_pinned=False)
+    mass = rope.hang_on_a_mass(5.0)
+    rope.tie(mass, 1, name="lift", offsetUserFunction=lambda mbs, t, number, offset: 0.05 * (t > 0.1))
+    with pytest.raises(DivergenceError, match=r"Cause: object \d+ 'lift' .* by 0\.05 m .* at t = 0\.1 s"):
+        rope.run(0.2, loop=1e-3)
 
 
 def bent_at_once(torque, **damping):

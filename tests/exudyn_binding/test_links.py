@@ -176,6 +176,20 @@ def test_roller_lets_one_coordinate_go(mbs, add_cable, add_sensor, solve):
     assert stored[:, 1].max() > 0.05
 
 
+def test_coordinates_that_are_held_are_named_so(mbs, add_cable, solve):
+    """They were called prescribed motions, which nobody had made."""
+    node = add_cable(mbs, groundConstraintsStart=[False, True, False, False])["nodes"][0]
+    said = "violate the coordinate constraint at the position y of node 0 by"
+    mbs.SetNodeParameter(node, "initialVelocities", [0.0, 0.5, 0.0, 0.0])
+    mbs.Assemble()
+    with pytest.warns(UserWarning, match=f"initial velocities .* {said} 0.5"):
+        solve(mbs)
+    mbs.SetNodeParameter(node, "initialCoordinates", [0.0, 0.01, 0.0, 0.0])
+    mbs.Assemble()
+    with pytest.raises(SceneError, match=f"initial coordinates .* {said} 0.01"):
+        solve(mbs)
+
+
 @pytest.fixture
 def add_ring():
     """A ring of the paper's section 4.1 with its pair of forces; returns its nodes."""

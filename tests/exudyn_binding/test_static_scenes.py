@@ -338,6 +338,28 @@ def test_a_cable_comes_to_rest_on_circles_and_not_behind_them(scene):
         np.testing.assert_allclose(found[own][:2], expected[theirs][:2], atol=5e-4)
 
 
+@pytest.mark.parametrize(("stiffness", "offset"), [(200.0, -0.05), (200.0, -0.1), (400.0, -0.1)])
+def test_a_support_that_is_moved_lets_a_cable_bulge_onto_a_circle(stiffness, offset):
+    """The search ran into the contact, 500 times: its convex model knew nothing of its stiffness."""
+    b = Builder(dimension=2)
+    nodes = b.cable([0, 0, 0], [1, 0, 0], 32, pinned=["Start"])
+    ground = b.mbs.CreateGround(referencePosition=[0.5, -0.25, 0])
+    circle = Circle(0.2, stiffness, 0.0, 0.0)
+    add_frictionless_contact(b.mbs, CreateCompanionCables(b.mbs, b.made), circle, ground)
+    numbers = b.mbs.AddNode(NodePointGround()), nodes[-1]
+    markers = [b.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=n, coordinate=0)) for n in numbers]
+    b.mbs.AddObject(CoordinateConstraint(markerNumbers=markers, offset=offset))
+    b.mbs.Assemble()
+    assert SolveEquilibrium(b.mbs)["iterations"] < 50
+    rest = totals(b.mbs)
+    assert rest[nodes[-1]][0] == pytest.approx(1.0 + offset, abs=1e-9)
+    assert min(np.hypot(rest[node][0] - 0.5, rest[node][1] + 0.25) for node in nodes) < 0.2
+    SolveExplicit(b.mbs, quiet_settings(0.2, 20))
+    moved = totals(b.mbs)
+    for node in nodes:
+        np.testing.assert_allclose(moved[node], rest[node], atol=1e-7)
+
+
 def test_a_cable_that_slides_off_a_wheel_has_no_rest():
     """The search follows it far; a step is not looked at in strides of the wheel's size for ever."""
     b = Builder(dimension=2)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import (
     CoordinateConstraint,
+    CoordinateSpringDamper,
     LoadForceVector,
     LoadMassProportional,
     MarkerBodyCable2DCoordinates,
@@ -156,6 +157,20 @@ def test_a_heavy_trolley_goes_on_after_steps_that_went_wrong():
     assert scene.report["rejections"] > 0
     for name in ("place", "SlidingCoordinate"):
         assert np.allclose(found[name], expected[name], rtol=0, atol=1e-3), name
+
+
+def test_a_trolley_crosses_elements_beside_a_dashpot_that_is_implicit():
+    scenes = [trolley(inextensible) for _ in range(2)]
+    for scene in scenes:
+        mbs, node = scene.mbs, scene.cable_nodes[8]
+        ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+        marker = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=1))
+        mbs.AddObject(CoordinateSpringDamper(markerNumbers=[ground, marker], damping=100.0))
+        mbs.Assemble()
+    found, expected = run(scenes[0]), run(scenes[1], stepSize=1e-4)
+    assert scenes[1].report["bounds"].bending < 1e-3 < scenes[0].report["bounds"].bending
+    assert np.ptp(found["SlidingCoordinate"]) > 4 * LENGTH / 16
+    assert np.allclose(found["place"], expected["place"], rtol=0, atol=2e-4)
 
 
 def push(scene, speed):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array as sparse
 
-from exudyn_inext.statics.stability import smallest_eigenvalue
+from exudyn_inext.statics import small_motions, smallest_eigenvalue
 
 
 @pytest.mark.parametrize(("others", "expected"), [([-4.0, 2.0, 7.0], -4.0), ([2.0, 7.0, 30.0], -1e-5)])
@@ -19,6 +19,6 @@ def test_round_off_of_a_free_turn_hides_no_unstable_direction(others, expected):
         order=np.arange(4),
         indifferent=-1e-3,
     )
-    found, direction = smallest_eigenvalue(system, np.zeros(4), np.zeros(0))
+    found, direction = smallest_eigenvalue(small_motions(system, np.zeros(4), np.zeros(0)))
     assert found == pytest.approx(expected, rel=1e-6)
     assert np.argmax(np.abs(direction)) == np.argmin(np.abs(np.diag(stiffness) - expected))

@@ -7,7 +7,7 @@ name the line that has called them. What is called by methods that were bound be
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import wraps
 from threading import Lock
 from types import MappingProxyType
@@ -145,7 +145,11 @@ class ChangeLog:
         if key not in self._known:
             if name == "name" or name.startswith("V"):
                 return
-            self._known[key] = self._read(key)
+            with suppress(Exception):
+                self._known[key] = self._read(key)
+        if key not in self._known:
+            key.set(self.mbs, value)  # of which Exudyn says what is wrong
+            self.refuse(f"{key} was set, which mbs cannot read", "set something else")
         if key not in self.changed and not _is_same(self._known[key], value):
             self._require_possible(key)
             self.changed[key] = -math.inf

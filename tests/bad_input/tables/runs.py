@@ -381,6 +381,21 @@ SOLVE_EXPLICIT = [
         scene=overloaded,
         good=nothing_more,
     ),
+    *rows(
+        SolveExplicit,
+        {"mbs": MBS},
+        [
+            (
+                {"solverType": exudyn.DynamicSolverType.RK44},
+                r"solverType = .*RK44.*SolveExplicit has no such argument; ExplicitSettings\(integrator=",
+            ),
+            (
+                {"showHints": True},
+                "showHints = True: .* no such argument; leave it out, as errors name cause",
+            ),
+            ({"stepSize": 1e-3}, r"stepSize = 0.001: .* no such argument; help\(SolveExplicit\) lists"),
+        ],
+    ),
     Row(SolveExplicit, NOT_ASSEMBLED, NEEDS_ASSEMBLY, SceneError, scene=loose_pendulum),
     Row(SolveExplicit, NOT_ASSEMBLED, NEEDS_ASSEMBLY, SceneError, scene=changed_after_assembly),
     Row(SolveExplicit, NOT_ASSEMBLED, NEEDS_ASSEMBLY, SceneError, scene=empty),
@@ -590,6 +605,11 @@ EQUILIBRIUM = [
             ({"staticSettings": {}}, r"staticSettings = \{\}: must be StaticSettings\(\)"),
             (with_time(startTime=INF), r"startTime = inf: must be a finite number \[s\]"),
         ],
+    ),
+    Row(
+        SolveEquilibrium,
+        {"mbs": MBS, "updateInitialValues": True},
+        "updateInitialValues = True: SolveEquilibrium has no such argument; leave it out, as the equilibrium",
     ),
     Row(SolveEquilibrium, NOT_ASSEMBLED, NEEDS_ASSEMBLY, SceneError, scene=loose_pendulum),
     Row(
