@@ -74,7 +74,8 @@ def build_scene(
     items = Items(*records, ramps, joints, force, given, predicted, path, np.zeros(2, np.int64))
     number = places[-1].stop if places else 0
     ahead = np.repeat(cables.inputs[:-1] - cables.dofs[:-1], np.diff(cables.dofs))  # motions of those before
-    return SceneSystem(cables, number, np.zeros(cables.inputs[-1]), np.arange(number) + ahead, items, zeta)
+    memory = np.zeros(cables.inputs[-1]), np.arange(number) + ahead, *np.zeros((2, size))
+    return SceneSystem(cables, number, *memory, items, zeta)
 
 
 def with_dashpots(

@@ -11,8 +11,9 @@ time, most that it can: with z = h d / m and w = W / m, steps of a mass are
 
     (1 + w) x_(n+1) = (1 + 2 w - 3/2 z) x_n - (w - z/2) x_(n-1),  z -> infinity: x_n ~ (-1/3)^n.
 
-What slides has d = |f_t| / |v_t| along t, at most its viscosity. The circle's own motion is not in W: its
-part of the damping remains explicit, and bounds the step.
+What slides has d = |f_t| / |v_t| along t, at most its viscosity. What joints change of a is in W B a, too:
+the circle is told of it afterwards, see `scene`. The circle's own motion is not in W: its part of the damping
+remains explicit, and bounds the step.
 """
 
 from collections.abc import Sequence
@@ -91,6 +92,24 @@ def press(contacts, cables, again):
 @protocol
 def complete_contacts(contacts, points, a, force):
     """Add to force (n,) what the accelerations a (n,) of the cables do to implicit contact."""
+
+
+@protocol
+def are_implicit(contacts):
+    """Whether damping of a contact is implicit at present."""
+
+
+@implements(are_implicit, NoContacts)
+def nothing_is_implicit(contacts):
+    return False
+
+
+@implements(are_implicit, Contacts)
+def are_circles_implicit(contacts):
+    lag = 0.0
+    for c in range(len(contacts.records)):
+        lag = max(lag, contacts.records[c].lag)
+    return lag > 0.0
 
 
 @protocol

@@ -34,6 +34,7 @@ from .bodies import (
     aim_at_velocity,
     move_body,
     place_body,
+    respond_body,
     set_normal,
     subtract_inertia,
     twice_energy,
@@ -50,7 +51,7 @@ from .cables import (
 from .circle_contacts import Contacts, NoContacts, add_contacts, finish_contacts, recall_contacts
 from .connectors import add_connectors
 from .dashpots import aim_dashpots
-from .implicit_contacts import complete_contacts, press, reconsider_contacts
+from .implicit_contacts import are_implicit, complete_contacts, press, reconsider_contacts
 from .joints import (
     Joints,
     apply_joints,
@@ -114,6 +115,7 @@ class SceneSystem(NamedTuple):
     """cables: systems of the cables, called by address.   cable_dofs: their number of coordinates.
 
     cable_force: (n_cables,) memory.   cable_places: (cable_dofs,) where in it the force on a coordinate is.
+    unjoined, left: (n,) memory: accelerations without joints, and forces that these leave out.
     zeta: stabilisation rate of the joints [1/s].
     """
 
@@ -121,6 +123,8 @@ class SceneSystem(NamedTuple):
     cable_dofs: int
     cable_force: Array
     cable_places: np.ndarray
+    unjoined: Array
+    left: Array
     items: Items
     zeta: float
 
@@ -271,7 +275,46 @@ def _accelerate_joined(system, q, v, zeta, learned, acceleration, duration):
             acceleration[i] += added[i]
         for r in range(len(joints.multipliers)):
             joints.multipliers[r] += joints.solved[r]
-    subtract_forces_of_dashpots(joints, system.items.force)
+
+
+@inlined
+def _press_as_joined(system, acceleration):
+    """Let circles feel what joints do to cables by implicit contact, see `complete_contacts`.
+
+    They feel what the cables do without joints before, and what this changes of it is left out.
+    """
+    items, left, added, joints = system.items, system.left, system.items.predicted, system.items.joints
+    for i in range(len(left)):
+        added[i] = acceleration[i] - system.unjoined[i]
+        left[i] = 0.0
+    complete_contacts(items.contacts, items.points, added, left)
+    for i in range(len(left)):
+        items.force[i] += left[i]
+        added[i] = 0.0
+    for b in range(len(items.bodies)):
+        first = items.bodies[b].first
+        respond_body(items.bodies[b], left[first:], added[first:])
+    _join(joints, 0.0, 0.0, added, True)
+    for i in range(len(added)):
+        acceleration[i] += added[i]
+    for r in range(len(joints.multipliers)):
+        joints.multipliers[r] += joints.solved[r]
+
+
+@inlined
+def _join_step(system, q, v, duration, acceleration, end_velocity):
+    """Accelerations and velocities at the end of a step, from those without joints."""
+    items = system.items
+    for i in range(len(q)):
+        system.unjoined[i] = acceleration[i]
+        end_velocity[i] -= duration * acceleration[i]
+    _accelerate_joined(system, q, v, 0.0, 1.0, acceleration, duration)
+    if are_implicit(items.contacts):
+        _press_as_joined(system, acceleration)
+    subtract_forces_of_dashpots(items.joints, items.force)
+    for i in range(len(q)):
+        end_velocity[i] += duration * acceleration[i]  # so that little is left to the joints
+    _join(items.joints, 0.0, 1.0, end_velocity, False)
 
 
 @implements(index_reduced_rates, SceneSystem)
@@ -288,6 +331,7 @@ def scene_rates(system, external, q, v, acceleration, rate):
     _project_bodies(items, v, zeta, rate)
     if len(items.joints.rows) > 0:
         _accelerate_joined(system, q, v, zeta, 0.0, acceleration, 0.0)
+        subtract_forces_of_dashpots(items.joints, items.force)
         _join(items.joints, zeta, 1.0, rate, True)
 
 
@@ -314,12 +358,7 @@ def accelerate_and_project_scene(system, external, q, v, duration, acceleration,
         end_velocity[i] = v[i] + duration * acceleration[i]
     _project_bodies(items, end_velocity, 0.0, end_velocity)
     if len(items.joints.rows) > 0:
-        for i in range(len(q)):
-            end_velocity[i] -= duration * acceleration[i]
-        _accelerate_joined(system, q, v, 0.0, 1.0, acceleration, duration)
-        for i in range(len(q)):
-            end_velocity[i] += duration * acceleration[i]  # so that little is left to the joints
-        _join(items.joints, 0.0, 1.0, end_velocity, False)
+        _join_step(system, q, v, duration, acceleration, end_velocity)
     _count_work(items, q)
 
 

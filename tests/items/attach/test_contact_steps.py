@@ -5,6 +5,7 @@ import warnings
 from dataclasses import replace
 from itertools import pairwise
 
+import exudyn
 import numpy as np
 import pytest
 from exudyn.itemInterface import (
@@ -49,6 +50,8 @@ AXIAL = 2e5  # stiffness of cables that stretch [N]
 INERTIA, MASSES, GAP = 0.0077, (0.2, 0.35), 7e-4  # of the wheel [kg m^2]; at the ends [kg]; at the start [m]
 CLOSED = -1e-4  # a gap at the start [m]
 END = 0.2  # of the runs [s]
+LIGHT = 0.01  # mass of a cable by length [kg/m]
+Output = exudyn.OutputVariableType
 
 
 def above_the_wheel(elements, gap=GAP):
@@ -240,6 +243,54 @@ def test_a_run_goes_on_from_its_file_bit_for_bit_while_a_wheel_rubs(build, solve
         report = solve(mbs, settings=restarting(quiet_settings(end, 1), tmp_path), stepSize=step)
     assert report["resumedAt"] == 0.012
     np.testing.assert_array_equal(state(second), state(whole))
+
+
+def momentum(mbs, nodes):
+    """About the origin, of the wheel, the cable and the mass at its end [kg m^2/s]."""
+    total = INERTIA * mbs.GetNodeOutput(nodes["wheel"], Output.AngularVelocity)[2]
+    masses = np.full(len(nodes["cable"]), LIGHT * np.pi * RADIUS / (len(nodes["cable"]) - 1))
+    masses[[0, -1]] *= 0.5
+    moving = [*zip(masses, nodes["cable"], strict=True), (MASSES[0], nodes["mass"])]
+    for mass, node in moving:
+        (x, y, _), (u, v, _) = (
+            mbs.GetNodeOutput(node, which) for which in (Output.Position, Output.Velocity)
+        )
+        total += mass * (x * v - y * u)
+    return total
+
+
+def spinning(new_mbs, touch, speed=10.0):
+    """A wheel spins, half a turn of a cable on it, of which one end is on the wheel: mbs, and its nodes."""
+    mbs = new_mbs()
+    angle = np.linspace(0.0, np.pi, 13)
+    out = np.column_stack([np.cos(angle), np.sin(angle)])
+    along = np.column_stack([-out[:, 1], out[:, 0]])
+    rates = {"velocities": speed * RADIUS * along, "slopeVelocities": -speed * out}
+    section = InextensibleCable(massPerLength=LIGHT, bendingStiffness=2e-4, axialStiffness=2e4)
+    line = {"shape": CableShape(RADIUS * out, along, **rates), "beamTemplate": section, "extensible": True}
+    cable = CreateInextensibleCable(mbs, **line)
+    wheel, node = add_wheel(mbs, speed)
+    end = {"referencePosition": [-RADIUS, 0, 0], "initialVelocity": [0, -speed * RADIUS, 0]}
+    body = mbs.CreateMassPoint(mass=MASSES[0], create2D=True, **end)
+    on_wheel = MarkerBodyPosition(bodyNumber=wheel, localPosition=[RADIUS, 0, 0])
+    pairs = (on_wheel, cable["nodes"][0]), (MarkerBodyPosition(bodyNumber=body), cable["nodes"][-1])
+    for marker, end in pairs:
+        ends = [mbs.AddMarker(one) for one in (marker, MarkerNodePosition(nodeNumber=end))]
+        mbs.AddObject(RevoluteJoint2D(markerNumbers=ends))
+    circle = Circle(0.999 * RADIUS, 1e5, 50.0, 0.3, friction_damping=100.0)
+    touch(mbs, CreateCompanionCables(mbs, cable), circle, wheel)
+    mbs.Assemble()
+    nodes = {"wheel": node, "cable": cable["nodes"], "mass": mbs.GetObject(body)["nodeNumber"]}
+    return mbs, nodes
+
+
+@pytest.mark.parametrize("touch", [add_contact, in_general_contact])
+def test_a_wheel_and_the_cable_that_rubs_on_it_keep_their_momentum(new_mbs, solve, touch):
+    """What joints at the cable's ends do to it changes friction, which is implicit: the wheel feels that."""
+    mbs, nodes = spinning(new_mbs, touch)
+    before = momentum(mbs, nodes)
+    solve(mbs, END)
+    assert momentum(mbs, nodes) == pytest.approx(before, rel=1e-4)
 
 
 def pulling(load, force):
