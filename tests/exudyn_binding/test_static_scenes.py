@@ -641,7 +641,9 @@ def test_joints_out_of_reach_are_refused_and_the_remedy_works(stretch):
     if stretch:
         SolveEquilibrium(b.mbs)
         return
-    said = r"the constraints cannot be met \(violation [0-9.]+\): bring .* or give the cables their axialStiff"
+    said = (
+        r"the constraints cannot be met \(violation [0-9.]+\): bring .* or give the cables their axialStiff"
+    )
     with pytest.raises(EquilibriumError, match=said):
         SolveEquilibrium(b.mbs)
 
