@@ -50,6 +50,7 @@ REACH_TOLERANCE = 1e-9
 TAUT = 1.0 - 1e-6  # distance of supports over the reach of the cable between them
 NEARLY = 1.5  # times the shortest |r_x|
 NO_TENSION = "where no tension holds it against forces across: give it its axialStiffness, or let it sag"
+REACH = "bring what holds the cables within their reach"
 
 
 def hint(scene_cable: CableInScene, q: Array, time: float) -> str:
@@ -427,13 +428,18 @@ def _failure(
     pairs = list(cables)
     hints = list(filter(None, (hint(cable, own.q, time) for cable, own in pairs)))
     hints += [f"{one} is straight between what holds its ends, {NO_TENSION}" for one in taut]
-    ways = ["add supports", "start nearer to the equilibrium", f"use more {more}"]
+    is_met = np.isfinite(equilibrium.residual)
+    nearer = "start nearer to the equilibrium"
+    ways = ["add supports", nearer, f"use more {more}"] if is_met else [REACH, nearer]
     if any(not cable.cable.stretches for cable, _ in pairs):
         ways.append("give the cables their axialStiffness, as inextensible ones side by side are redundant")
     remedy = hints or [f"{', '.join(ways[:-1])}, or {ways[-1]}"]
+    balance = (
+        f" after {equilibrium.iterations} iterations (unbalanced force {equilibrium.residual:.3g} N{where}, "
+        f"violation of constraints {equilibrium.violation:.3g}, smallest eigenvalue "
+        f"{equilibrium.smallest_eigenvalue:.3g} 1/s^2)"
+    )
     return (
-        f"{what}: {equilibrium.message} after {equilibrium.iterations} iterations (unbalanced "
-        f"force {equilibrium.residual:.3g} N{where}, violation of constraints {equilibrium.violation:.3g}, "
-        f"smallest eigenvalue {equilibrium.smallest_eigenvalue:.3g} 1/s^2): {remedy[0]}. mbs is unchanged; "
-        "the error's report has the last state."
+        f"{what}: {equilibrium.message}{balance if is_met else f' (violation {equilibrium.violation:.3g})'}: "
+        f"{remedy[0]}. mbs is unchanged; the error's report has the last state."
     )

@@ -2,15 +2,17 @@
 
 A transverse wave of the speed c, which the tension gives it, takes 20 steps to pass an element: the error in
 time is then near that of the mesh. c^2 is the tension over rho_A that weight, loads and inertia can cause at
-most, and twice the energy by mass that the motion starts with. The first vibration of the bent cable is
-resolved in any case, and among bodies all bending waves that the mesh resolves, or of cables that are
-lighter than each body, longer ones. Of elements whose lengths differ, a wave needs as many of its size as it
-spans: single short ones among others resolve nothing that the others do not. How fast the motion really
-is, the watch finds out, see `watch`: then the step becomes shorter, down to one whose error in bending waves
-is that of the mesh, and where cables stretch, one in which axial waves pass a share of an element.
+most, and twice the energy by mass that the motion starts with; among bodies, that of bending is left out
+where the cable rests in an equilibrium. The first vibration of the bent cable is resolved in any case, and
+among bodies all bending waves that the mesh resolves, or of cables that are lighter than each body, longer
+ones. Of elements whose lengths differ, a wave needs as many of its size as it spans: single short ones among
+others resolve nothing that the others do not. How fast the motion really is, the watch finds out, see
+`watch`: then the step becomes shorter, down to one whose error in bending waves is that of the mesh, and
+where cables stretch, one in which axial waves pass a share of an element.
 """
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -28,15 +30,19 @@ STEPS_BY_ELEMENT = 20.0  # while a wave passes it
 STEPS_BY_AXIAL_WAVE = 4.0  # while it passes an element: more resolve what the mesh does not
 SHORT_WAVE = 0.2  # step times the frequency of a bending wave of 2 pi elements, among bodies
 SPANNED = 6  # elements by such a wave
+AT_REST = 1e-6  # share of the energy of bending that may be released at the start of a cable at rest
 BY_DRAG = 0.02  # step times the rate at which drag slows a cable down
 FIRST_VIBRATION = 0.085  # step over L^2 sqrt(rho_A / EI): 0.3 / 3.52, h w of a cantilever's first one
 
 
-def accurate_step(run: CableRun, time: float) -> float:
-    """Largest step that resolves the motion of a cable in time as well as its mesh does in space [s]."""
+def accurate_step(run: CableRun, time: float, acceleration: Callable[[], float] | None) -> float:
+    """Largest step that resolves the motion of a cable in time as well as its mesh does in space [s].
+
+    acceleration: among bodies, the largest one of nodes at the start [m/s^2], asked where it matters.
+    """
     cable = run.scene_cable.cable
     with np.errstate(over="ignore"):
-        speed = _wave_speed(run, time)
+        speed = _wave_speed(run, time, acceleration)
     of_waves = _resolved_length(cable) / (STEPS_BY_ELEMENT * speed) if speed > 0.0 else math.inf
     section = cable.section
     bends = math.sqrt(section.mass_per_length / section.bending_stiffness) * cable.length**2
@@ -111,17 +117,21 @@ def _resolved_length(cable: Cable) -> float:
     return float(longest.min())
 
 
-def _wave_speed(run: CableRun, time: float) -> float:
-    """c [m/s], see above."""
+def _wave_speed(run: CableRun, time: float, acceleration: Callable[[], float] | None = None) -> float:
+    """c [m/s], see above.   acceleration: see `accurate_step`."""
     cable = run.scene_cable.cable
     shape = cable.reference.shape
     inputs = run.loads.at(time)
     forces = np.linalg.norm(inputs[: run.state.q.size].reshape(shape)[:, 0], axis=1)
     density, v = cable.section.mass_per_length, run.state.v.reshape(shape)[:, 0]
-    squared = float(forces.sum()) / density + float((v * v).sum(axis=1).max())
-    squared += 2.0 * max(0.0, _bending_energy(run, inputs)) / (density * cable.length)
+    fastest = float((v * v).sum(axis=1).max())
+    squared = float(forces.sum()) / density + fastest
     squared += _of_motions(inputs[run.state.q.size :], cable)
-    return math.sqrt(squared)
+    of_bending = 2.0 * max(0.0, _bending_energy(run, inputs)) / (density * cable.length)
+    if acceleration is not None and of_bending > squared:
+        is_at_rest = fastest + 2.0 * acceleration() * cable.length <= AT_REST * of_bending
+        of_bending = 0.0 if is_at_rest else of_bending
+    return math.sqrt(squared + of_bending)
 
 
 def _bending_energy(run: CableRun, inputs: Array) -> float:

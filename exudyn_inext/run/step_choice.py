@@ -7,6 +7,9 @@ import math
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache, partial
+
+import numpy as np
 
 from ..cable.cable import Cable
 from ..errors import SceneError, StepSizeError
@@ -199,7 +202,7 @@ def _bounds_and_scaling(
             for run in runs:  # steps that gain energy may become shorter, whatever their phase
                 run.watch.limit_phase(min(duration, MOST_DURATION), math.inf, NO_MESH, 0.0)
         return step_bounds(runs, start, explicit), explicit
-    accuracy = min(accurate_step(cable, start) for cable in cables)
+    accuracy = min(_accuracy(run, start) for run in runs)
     usual = THETA
     if _are_among_bodies(runs):
         if accuracy > STIFF * min(map(step_of_shortest_element, cables)):
@@ -221,6 +224,20 @@ def _bounds_and_scaling(
             break
         step = _for_its_own_mass(wanted, step, theta, bounds)
     return bounds, explicit
+
+
+def _accuracy(run: Run, start: float) -> float:
+    """Largest step that resolves the motion of the cables of a run [s]."""
+    among_bodies = isinstance(run, CoupledRun)
+    acceleration = cache(partial(_largest_acceleration, run, start)) if among_bodies else None
+    return min((accurate_step(cable, start, acceleration) for cable in run.cable_runs), default=math.inf)
+
+
+def _largest_acceleration(run: Run, start: float) -> float:
+    """Of a node of a cable, at the start [m/s^2]."""
+    run.start(start)
+    nodes = (run.state.a[dofs].reshape(shape)[:, 0] for dofs, shape in run.places_of_cables)
+    return max(float(np.linalg.norm(a, axis=1).max()) for a in nodes)
 
 
 def _are_among_bodies(runs: Sequence[Run]) -> bool:

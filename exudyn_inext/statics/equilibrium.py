@@ -137,10 +137,10 @@ def find_equilibrium(potential: StaticSystem, start: Array, options: StaticOptio
     q, violation = feasible(potential, start, options.feasibility)
     if violation > 1e3 * options.feasibility:
         q, violation = feasible(potential, potential.bowed(start), options.feasibility)
-    if violation > 1e3 * options.feasibility:
-        nothing = np.zeros(0)
-        return Equilibrium(q, nothing, False, "the constraints cannot be met", np.inf, violation, 0, np.nan)
     multipliers, first = np.zeros(len(potential.values(q))), q
+    if violation > 1e3 * options.feasibility:
+        message = "the constraints cannot be met"
+        return Equilibrium(q, multipliers, False, message, np.inf, violation, 0, np.nan)
     limit = options.tolerance * potential.largest_load
     message, eigenvalue, residual = "", np.nan, np.inf
     iterations, about = 0, None

@@ -648,6 +648,28 @@ def test_a_cable_that_joints_hold_straight_is_named():
         SolveEquilibrium(b.mbs)
 
 
+@pytest.mark.parametrize("stretch", [None, 1e4])
+def test_joints_out_of_reach_are_refused_and_the_remedy_works(stretch):
+    """Two ropes of 1 m hold a body between grounds that are 2.1 m apart."""
+    b = Builder(dimension=2)
+    body = b.on(b.mbs.CreateMassPoint(mass=1.0, referencePosition=[1, 0, 0], create2D=True))
+    rope = InextensibleCable(MASS, BENDING, axialStiffness=stretch)
+    for x in (0.0, 2.0):
+        way = dict(positionStart=[x, 0, 0], positionEnd=[1, 0, 0], numberOfElements=4)
+        nodes = CreateInextensibleCable(b.mbs, **way, beamTemplate=rope, gravity=b.gravity)["nodes"]
+        b.tie(b.at(nodes[0]), b.on(b.ground, [1.05 * x, 0, 0]))
+        b.tie(b.at(nodes[-1]), body)
+    b.mbs.Assemble()
+    if stretch:
+        SolveEquilibrium(b.mbs)
+        return
+    said = (
+        r"the constraints cannot be met \(violation [0-9.]+\): bring .* or give the cables their axialStiff"
+    )
+    with pytest.raises(EquilibriumError, match=said):
+        SolveEquilibrium(b.mbs)
+
+
 def test_load_steps_are_refused_among_bodies():
     builder = built("swing")
     with pytest.raises(InputError, match=r"loadSteps = 3: among bodies.*set it to 1"):
