@@ -74,8 +74,9 @@ def build_scene(
     items = Items(*records, ramps, joints, force, given, predicted, path, np.zeros(2, np.int64))
     number = places[-1].stop if places else 0
     ahead = np.repeat(cables.inputs[:-1] - cables.dofs[:-1], np.diff(cables.dofs))  # motions of those before
-    memory = np.zeros(cables.inputs[-1]), np.arange(number) + ahead, *np.zeros((2, size))
-    return SceneSystem(cables, number, *memory, items, zeta)
+    of_cables = np.zeros(cables.inputs[-1]), np.arange(number) + ahead
+    unjoined, left = np.zeros((2, size))
+    return SceneSystem(cables, number, *of_cables, unjoined, left, items, zeta)
 
 
 def with_dashpots(
