@@ -261,7 +261,7 @@ def _join(joints, share, moving, x, refines):
 
 
 @inlined
-def _accelerate_joined(system, q, v, zeta, learned, acceleration, duration):
+def _accelerate_joined(system, q, v, zeta, learned, acceleration, duration, end_velocity):
     """Those of all parts, from those without joints; see `_join_accelerations` and `improve_damping`."""
     joints, added = system.items.joints, system.items.predicted
     hold(system.items, q, v)
@@ -273,12 +273,13 @@ def _accelerate_joined(system, q, v, zeta, learned, acceleration, duration):
         _join(joints, 0.0, 0.0, added, True)
         for i in range(len(q)):
             acceleration[i] += added[i]
+            end_velocity[i] += duration * added[i]
         for r in range(len(joints.multipliers)):
             joints.multipliers[r] += joints.solved[r]
 
 
 @inlined
-def _press_as_joined(system, acceleration):
+def _press_as_joined(system, acceleration, duration, end_velocity):
     """Let circles feel what joints do to cables by implicit contact, see `complete_contacts`.
 
     They feel what the cables do without joints before, and what this changes of it is left out.
@@ -297,6 +298,7 @@ def _press_as_joined(system, acceleration):
     _join(joints, 0.0, 0.0, added, True)
     for i in range(len(added)):
         acceleration[i] += added[i]
+        end_velocity[i] += duration * added[i]
     for r in range(len(joints.multipliers)):
         joints.multipliers[r] += joints.solved[r]
 
@@ -307,14 +309,11 @@ def _join_step(system, q, v, duration, acceleration, end_velocity):
     items = system.items
     for i in range(len(q)):
         system.unjoined[i] = acceleration[i]
-        end_velocity[i] -= duration * acceleration[i]
-    _accelerate_joined(system, q, v, 0.0, 1.0, acceleration, duration)
+    _accelerate_joined(system, q, v, 0.0, 1.0, acceleration, duration, end_velocity)
     if are_implicit(items.contacts):
-        _press_as_joined(system, acceleration)
+        _press_as_joined(system, acceleration, duration, end_velocity)
     subtract_forces_of_dashpots(items.joints, items.force)
-    for i in range(len(q)):
-        end_velocity[i] += duration * acceleration[i]  # so that little is left to the joints
-    _join(items.joints, 0.0, 1.0, end_velocity, False)
+    _join(items.joints, 0.0, 1.0, end_velocity, True)
 
 
 @implements(index_reduced_rates, SceneSystem)
@@ -330,7 +329,7 @@ def scene_rates(system, external, q, v, acceleration, rate):
     accelerate_bodies(items, v, zeta, acceleration)
     _project_bodies(items, v, zeta, rate)
     if len(items.joints.rows) > 0:
-        _accelerate_joined(system, q, v, zeta, 0.0, acceleration, 0.0)
+        _accelerate_joined(system, q, v, zeta, 0.0, acceleration, 0.0, rate)
         subtract_forces_of_dashpots(items.joints, items.force)
         _join(items.joints, zeta, 1.0, rate, True)
 
