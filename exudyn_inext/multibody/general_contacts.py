@@ -43,7 +43,7 @@ from .implicit_contacts import (
     reconsider_contacts,
 )
 from .points import add_wrench
-from .scene import settle_contacts
+from .scene import press_as_joined, press_circles_as_joined, settle_contacts
 
 POINTS = 3  # of a part
 OFF = 0.1  # of the force that presses, by which friction may follow from another one
@@ -448,4 +448,5 @@ def _press_point(chain, element, point, across, along, row):
             add_contact(chain, element, mass, row[0])
 
 
+press_as_joined.register(GeneralContacts)(press_circles_as_joined)
 has_nothing(GeneralContacts, finish_contacts, recall_contacts, settle_contacts)  # they have no data

@@ -99,11 +99,6 @@ def are_implicit(contacts):
     """Whether damping of a contact is implicit at present."""
 
 
-@implements(are_implicit, NoContacts)
-def nothing_is_implicit(contacts):
-    return False
-
-
 @implements(are_implicit, Contacts)
 def are_circles_implicit(contacts):
     lag = 0.0

@@ -278,17 +278,26 @@ def _accelerate_joined(system, q, v, zeta, learned, acceleration, duration, end_
             joints.multipliers[r] += joints.solved[r]
 
 
-@inlined
-def _press_as_joined(system, acceleration, duration, end_velocity):
+@protocol
+def press_as_joined(contacts, system, acceleration, duration, end_velocity):
     """Let circles feel what joints do to cables by implicit contact, see `complete_contacts`.
 
-    They feel what the cables do without joints before, and what this changes of it is left out.
+    They feel what the cables do without joints before; the arguments are those of `_join_step`.
     """
+
+
+has_nothing(NoContacts, press_as_joined)
+
+
+@implements(press_as_joined, Contacts)
+def press_circles_as_joined(contacts, system, acceleration, duration, end_velocity):
+    if not are_implicit(contacts):
+        return
     items, left, added, joints = system.items, system.left, system.items.predicted, system.items.joints
     for i in range(len(left)):
         added[i] = acceleration[i] - system.unjoined[i]
         left[i] = 0.0
-    complete_contacts(items.contacts, items.points, added, left)
+    complete_contacts(contacts, items.points, added, left)
     for i in range(len(left)):
         items.force[i] += left[i]
         added[i] = 0.0
@@ -310,8 +319,7 @@ def _join_step(system, q, v, duration, acceleration, end_velocity):
     for i in range(len(q)):
         system.unjoined[i] = acceleration[i]
     _accelerate_joined(system, q, v, 0.0, 1.0, acceleration, duration, end_velocity)
-    if are_implicit(items.contacts):
-        _press_as_joined(system, acceleration, duration, end_velocity)
+    press_as_joined(items.contacts, system, acceleration, duration, end_velocity)
     subtract_forces_of_dashpots(items.joints, items.force)
     _join(items.joints, 0.0, 1.0, end_velocity, True)
 

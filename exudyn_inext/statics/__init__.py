@@ -3,7 +3,6 @@
 from .equilibrium import Equilibrium, StaticOptions, find_equilibrium
 from .joined_potential import JoinedPotential
 from .potential import Potential, support_forces
-from .small_motions import small_motions
 from .stability import smallest_eigenvalue
 from .stretching import potential_of, potentials_of
 
@@ -15,7 +14,6 @@ __all__ = [
     "find_equilibrium",
     "potential_of",
     "potentials_of",
-    "small_motions",
     "smallest_eigenvalue",
     "support_forces",
 ]

@@ -12,13 +12,8 @@ from exudyn_inext.cable.link import Motion, rest
 from exudyn_inext.constraints.distance import hanger
 from exudyn_inext.constraints.prescribed_motion import prescribed
 from exudyn_inext.loads.gravity import gravity_force
-from exudyn_inext.statics import (
-    Potential,
-    StaticOptions,
-    find_equilibrium,
-    small_motions,
-    smallest_eigenvalue,
-)
+from exudyn_inext.statics import Potential, StaticOptions, find_equilibrium, smallest_eigenvalue
+from exudyn_inext.statics.small_motions import small_motions
 from tests.cables import MEASURES, arc, relative_error, straight_cable
 
 UNIT = Section(1.0, 1.0)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array as sparse
 
-from exudyn_inext.statics import small_motions, smallest_eigenvalue
+from exudyn_inext.statics import smallest_eigenvalue
+from exudyn_inext.statics.small_motions import small_motions
 
 
 @pytest.mark.parametrize(("others", "expected"), [([-4.0, 2.0, 7.0], -4.0), ([2.0, 7.0, 30.0], -1e-5)])
