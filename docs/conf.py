@@ -21,6 +21,7 @@ extensions = [
     "sphinx_copybutton",
     "equations",
     "offline",
+    "source_pages",
 ]
 myst_enable_extensions = ["dollarmath"]
 exclude_patterns = ["extensions", "static"]
