@@ -80,11 +80,13 @@ def resolution_of_mesh(run: Run, time: float, theta: float) -> Array:
     """(4,) by which the errors of step and mesh in waves of a cable are known, see `watch`.
 
     c^2 [m^2/s^2], s^2 = EI / rho_A [m^4/s^2], the length l of elements [m], and theta [-].
-    Cables that stretch have other waves, too: of these, and among bodies, only the shortest useful step.
+    Cables that stretch have other waves, too: of these, and among bodies, only the shortest useful step, and
+    theta of a cable alone.
     """
     stretching = [cable for cable in run.cables if cable.stretches]
     if stretching:
-        return np.array([min(map(step_of_axial_waves, stretching)) ** 2, 0.0, 0.0, 0.0])
+        alone = theta if isinstance(run, CableRun) else 0.0
+        return np.array([min(map(step_of_axial_waves, stretching)) ** 2, 0.0, 0.0, alone])
     if not isinstance(run, CableRun):
         return NO_MESH
     cable = run.scene_cable.cable

@@ -57,6 +57,8 @@ from .watch import (
 STEPS_BETWEEN = 1024  # two inspections at most
 FIRST_STEPS = 4  # two inspections, which are further and further apart
 STEPS_WITH_POWER = 32  # at most where damping or supports that move change the energy
+SAMPLES = 64  # of a run, at least, where the frequency of its motion is judged
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 BENT = 0.1  # change of the power's rise, times the square of the time, over the energy, for fewer steps
 STEPS_BETWEEN_CHECKS = 32  # at the velocities, at most; outputs are looked at, too
 CALM = 16.0  # growth of their square since the last inspection that calls for another one
@@ -306,10 +308,20 @@ class CoupledWatch(RunWatch):
 
     def _begin(self, t: float, state: Any) -> None:
         """Count steps from a state at t [s]."""
-        most = STEPS_WITH_POWER if self.watch.present_report[POWER] else STEPS_BETWEEN
-        self._counts[:] = 0, min(2 * self._counts[_MOST], most)
+        self._counts[:] = 0, min(2 * self._counts[_MOST], self._most_steps)
         self._last[:] = t, state.v.dot(state.v)
         self._calm = CALM * float(self._last[1])
+
+    @property
+    def _most_steps(self) -> int:
+        """Until the next inspection; at odd times: one phase only is seen of vibrations of their period."""
+        if self.watch.present_report[POWER]:
+            return STEPS_WITH_POWER
+        if not self.may_shorten:
+            return STEPS_BETWEEN
+        of_run = self.watch.duration / (SAMPLES * self._step) if self._step else 0.0
+        odd = 1.0 - 0.5 * (GOLDEN * float(self.watch.account["steps"][NOW]) % 1.0)
+        return int(odd * min(max(of_run, STEPS_WITH_POWER), STEPS_BETWEEN))
 
     def _verdict(self, watch: Watch, h: float, t: float, state: Any) -> int:
         self._evaluated.report_energy(t, state, self.watch.present_report, self._scale)

@@ -19,6 +19,7 @@ from .watch import (
     MOST_TURN,
     NOT_FINITE,
     NOW,
+    SHARE_OF_EXTENT,
     THROWN_OFF,
     TOO_FAST,
     TURNED,
@@ -130,7 +131,14 @@ class RunWatch:
         has_turned = now.forces * now.time**2 > BEGINNING**2 * now.speeds
         keeps_mesh = self.watch.mesh[1] == 0.0 or not 0.25 < now.over_mesh < math.inf
         may_grow = self.may_shorten and not self._gains_energy
-        return bool(may_grow and has_turned and keeps_mesh and SLOW * now.phase < self.watch.phase)
+        return bool(may_grow and has_turned and keeps_mesh and SLOW * self._phase_to_grow < self.watch.phase)
+
+    @property
+    def _phase_to_grow(self) -> float:
+        """As if the motion had not gone anywhere, where its extent is not known [rad]."""
+        now = self.watch.account[NOW]
+        turned = self.frequency * now.time
+        return float(now.phase if now.extent else now.phase * SHARE_OF_EXTENT * turned / BEGINNING)
 
     def expect_double_step(self) -> None:
         """The motion so far has this phase error at steps twice as long."""
@@ -138,11 +146,14 @@ class RunWatch:
 
     @property
     def is_spoilt(self) -> bool:
-        """Whether steps that were too long have made more of an error than a run may have."""
+        """Whether steps that were too long have made more of an error than a run may have.
+
+        Or hide axial vibrations, which shorter ones would set free.
+        """
         watch, found = self.watch, self.watch.account[FAILED]
         passed = found.time if found.extent else watch.duration
         is_much = found.phase * passed > SPOILT * watch.phase * watch.duration
-        return bool(found.trouble != TOO_FAST or is_much or not found.extent)
+        return bool(found.trouble != TOO_FAST or is_much or self.stretches or not found.extent)
 
     @contextmanager
     def finding_kept(self) -> Iterator[None]:

@@ -214,7 +214,8 @@ def _bounds_and_scaling(
     explicit = replace(explicit, massScaling=theta)
     for run in runs:
         mesh = resolution_of_mesh(run, start, theta)
-        run.watch.limit_phase(min(duration, MOST_DURATION), _phase(theta), mesh, small_error(run))
+        phase = PHASE if isinstance(run, CableRun) else _phase_among_bodies(theta)
+        run.watch.limit_phase(min(duration, MOST_DURATION), phase, mesh, small_error(run))
     for _ in range(MOST_TRIALS):
         for run in runs if theta else []:
             run.scale_mass(theta, step)
@@ -252,9 +253,12 @@ def _step_of_states(run: Run, start: float) -> float:
     return OF_STATES / run.frequency_of_states if run.frequency_of_states > 0.0 else math.inf
 
 
-def _phase(theta: float) -> float:
-    """What the watch allows [rad]: scaled masses make bending waves slower by (theta - 1/12) (h w)^2 / 2."""
-    return PHASE * (THETA - 1.0 / 12.0) / (max(theta, THETA) - 1.0 / 12.0)
+def _phase_among_bodies(theta: float) -> float:
+    """What the watch allows [rad]: scaled masses make bending waves slower by (theta - 1/12) (h w)^2 / 2.
+
+    It counts (h w)^2 / 24; that of a cable alone knows better, see `_errors_of_waves`.
+    """
+    return PHASE / max(12.0 * theta - 1.0, 1.0)
 
 
 def _for_its_own_mass(wanted: float, step: float, theta: float, bounds: StepSizeBounds) -> float:

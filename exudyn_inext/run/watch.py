@@ -55,6 +55,7 @@ SMALL = 1e-5  # error of places, over the length of the cable, that counts for n
 OF_EXTENT = 0.01  # of a part among others, that its error is compared with
 MOST_PHASE = 2.0  # error of a vibration's place, over its amplitude
 WAITING = 0.25  # share of the run after which neither counts any more
+TOO_LATE = 0.8  # share of the run after which shorter steps mend too little of an error already made
 SHARE_OF_EXTENT = 0.3  # so that a phase error of 0.003 is one of 1 % of the extent
 SHARE_OF_POWER = 0.02  # that its sum over time may be wrong by
 SHARE_OF_TOLERANCE = 0.1  # that one interval may leave in doubt, before inspections come closer
@@ -321,13 +322,14 @@ def _errors_of_waves(mesh, squared, h_squared):
     (k l)^4 / 720, relative. The step raises w^2 by (h w)^2 / 12, and mass scaling lowers it by
     theta (h w_b)^2; where these cancel, the first one counts.
 
-    Without s, the first number of the mesh is the square of a step that is short enough [s^2].
+    Without s, the first number of the mesh is the square of a step that is short enough [s^2], and all waves
+    count as bending ones.
 
     mesh: see `Watch`.   squared: w^2 [rad^2/s^2].   h_squared: [s^2].
     """
     tension, stiffness, length, theta = mesh[0], mesh[1], mesh[2], mesh[3]
     if stiffness == 0.0 or not squared > 0.0:
-        return h_squared * squared / 12.0, tension * squared / 12.0
+        return h_squared * squared * max(1.0 / 12.0, theta - 1.0 / 12.0), tension * squared / 12.0
     number = 2.0 * squared / (np.sqrt(tension**2 + 4.0 * stiffness * squared) + tension)  # k^2
     bending = stiffness * number**2
     of_step = h_squared * max(squared / 12.0, theta * bending - squared / 12.0)
@@ -372,7 +374,8 @@ def _is_too_fast(watch, steps, duration):
     is_much = account.phase * passed > watch.phase * watch.duration
     is_late = account.time > WAITING * watch.duration or watch.mesh[1] > 0.0
     is_known = turned > BEGINNING and (is_late or (turned > LONG and has_returned))
-    return is_known and is_much and matters and account.over_mesh > 1.0
+    pays = account.extent == 0.0 or account.time < TOO_LATE * watch.duration
+    return is_known and is_much and matters and pays and account.over_mesh > 1.0
 
 
 @inlined
