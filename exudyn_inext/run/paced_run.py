@@ -368,7 +368,7 @@ class PacedRun:
     def _begin_again(self, beginning: KeptState, time: float, is_spoilt: bool = True) -> None:
         """With a shorter step, from the beginning.   time: of it [s].   is_spoilt: by a longer one."""
         control = self.control
-        kept = control.divisor, control.least, control.waves, control.beginnings + is_spoilt
+        kept = control.divisor, control.longest, control.least, control.waves, control.beginnings + is_spoilt
         beginning.restore()
         control.begin_again(*kept)
         self.resume(time)
