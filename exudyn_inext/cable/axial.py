@@ -421,13 +421,34 @@ def stored_energy(axes, nodes, elements, chain, q, v, a):
 
 @inlined
 def _energy_of_force(record, rate, acceleration):
-    """(f + h^2/2 E J a - d J v)^2 / (2 D) [J].   rate, acceleration: J v, J a.
+    """(f + h^2/2 E J a - damping)^2 / (2 D) [J].   rate, acceleration: J v, J a.
 
     At the start of a run, v is the velocity before its first half step, and damping acts behind that.
     """
     axial = record.axial
-    force = axial[FORCE] + (axial[ADDED_MASS] - axial[FIRST_DAMPING]) * acceleration - axial[DAMPING] * rate
+    force = axial[FORCE] + (axial[ADDED_MASS] - axial[FIRST_DAMPING]) * acceleration
+    force -= _damping_force(record, rate)
     return 0.5 * force * force / axial[STIFFNESS] if axial[STIFFNESS] > 0.0 else 0.0
+
+
+@inlined
+def _damping_force(record, rate):
+    """d J v, with what the rest of the next step, as foreseen, is more than that of the last one [N m].
+
+    Strong damping makes a large force of what foresight lacks, as after the first step, or a change of h.
+
+    rate: J v.
+    """
+    axial = record.axial
+    of_rest = 0.5 * (axial[IMPLICIT] - 0.5 * axial[STIFFNESS])  # d / (2 h)
+    return axial[DAMPING] * rate + of_rest * (record.drift_correction - axial[REST_BEFORE])
+
+
+@inlined
+def _power_of_damping(record, rate):
+    """Negative [W].   rate: J v."""
+    damping = record.axial[DAMPING]
+    return -(_damping_force(record, rate) ** 2) / damping if damping > 0.0 else 0.0
 
 
 @inlined
@@ -483,7 +504,7 @@ def axial_power(axes, nodes, elements, v):
     """Power of axial damping at v (n, 2, dim), J evaluated last [W]."""
     power = 0.0
     for k in range(len(nodes)):
-        power -= nodes[k].axial[DAMPING] * _along_node(axes, nodes[k], v[k]) ** 2
+        power += _power_of_damping(nodes[k], _along_node(axes, nodes[k], v[k]))
     for k in range(len(elements)):
-        power -= elements[k].axial[DAMPING] * _along_element(axes, elements[k], v[k], v[k + 1]) ** 2
+        power += _power_of_damping(elements[k], _along_element(axes, elements[k], v[k], v[k + 1]))
     return power

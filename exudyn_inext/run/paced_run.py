@@ -14,7 +14,7 @@ from .redundancy import pulled_straight
 from .run_watch import RunWatch
 from .step_control import PIECE, ROUND_OFF, Piece, StepControl
 from .time_grid import TimeGrid
-from .watch import ENERGY, TOO_FAST
+from .watch import ENERGY, LACK_OF_WORK, TOO_FAST
 
 HIDING_PARTS = 16  # of the nominal step, from which on steps that go wrong are smaller for a while only
 LEAST_REHEARSED = 4  # intervals of the loop
@@ -130,6 +130,11 @@ class PacedRun:
             return (
                 "Likely cause: axial vibrations, which the steps did not resolve, hid energy that smaller "
                 f"ones set free: take stepSize = {step:.2g}, which resolves them from the start."
+            )
+        if self.watch.trouble == LACK_OF_WORK:
+            return (
+                "Likely cause: a force that jumps, as friction by sign(v) does: let it change over a range, "
+                "as tanh(v / 1e-3) does, or set energyTolerance = 10, which bears the work of jumps."
             )
         return pulled_straight(self.straight_cables()) if self._rejects else ""
 
@@ -368,7 +373,7 @@ class PacedRun:
     def _begin_again(self, beginning: KeptState, time: float, is_spoilt: bool = True) -> None:
         """With a shorter step, from the beginning.   time: of it [s].   is_spoilt: by a longer one."""
         control = self.control
-        kept = control.divisor, control.least, control.waves, control.beginnings + is_spoilt
+        kept = control.divisor, control.longest, control.least, control.waves, control.beginnings + is_spoilt
         beginning.restore()
         control.begin_again(*kept)
         self.resume(time)

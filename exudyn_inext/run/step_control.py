@@ -45,6 +45,7 @@ class _Log(ctypes.Structure):
         ),
         *((name, ctypes.c_int64) for name in ("calm", "patience", "rejections", "steps", "changed")),
         *((name, ctypes.c_int64) for name in ("due", "pause")),
+        ("longest", ctypes.c_double),
     )
 
 
@@ -142,7 +143,8 @@ class FrequencyFollower:
             log.pause = max(self._least, min(2 * log.pause, self._most) if is_calm else 0)
             log.frequency, log.due = frequency, log.steps + log.pause
             log.allowed = safety * limit / max(frequency + growth, 1e-300)
-        step = min(min(log.allowed, largest) / log.divisor, remaining)
+        longest = log.longest or min(log.allowed, largest)
+        step = min(log.allowed, longest / log.divisor, remaining)
         log.first = log.first or step
         return step if step > SMALLEST * min(log.first, remaining) else 0.0
 
@@ -168,6 +170,8 @@ class StepControl:
     beginnings: how often the run has begun again.
     changed: interval of the loop before which functions have changed something last.
     tension: largest one for which the stability limit is known, over rho_A l^2 [1/s^2].
+    longest: step that is divided, where steps follow a frequency and the motion has asked for shorter ones
+        [s]; 0: it has not.
     """
 
     smallest: float = _logged("smallest")
@@ -181,6 +185,7 @@ class StepControl:
     beginnings: int = _logged("beginnings")
     changed: int = _logged("changed")
     tension: float = _logged("tension")
+    longest: float = _logged("longest")
 
     def __init__(self, follower: FrequencyFollower | None = None, rejects: bool = True) -> None:
         self.follower = follower
@@ -302,6 +307,7 @@ class StepControl:
 
     def shorten(self, parts: int, gain: float = 0.0) -> None:
         """The nominal step is too long for the motion; `may_shorten`.   gain: see `grows`."""
+        self._log.longest = self.nominal(self.present) * self.divisor
         self._log.divisor = self._log.asked = min(self.divisor * parts, MOST_PARTS)
         self._log.gain = max(self._log.gain, gain)
 
@@ -324,8 +330,9 @@ class StepControl:
         self._log.waves, self._log.tension = parts, tension
         self._log.divisor = max(self._log.asked, self._log.least, parts)
 
-    def begin_again(self, divisor: int, least: int, waves: int, beginnings: int) -> None:
+    def begin_again(self, divisor: int, longest: float, least: int, waves: int, beginnings: int) -> None:
         """With the nominal step divided so, or as `least` and `waves` ask; `beginnings`: how many now."""
+        self._log.longest = longest
         self._log.asked, self._log.waves, self._log.beginnings = divisor, waves, beginnings
         self.divide_by(least)
 

@@ -3,7 +3,14 @@
 import exudyn
 import numpy as np
 import pytest
-from exudyn.itemInterface import Force, LoadForceVector, MarkerNodePosition, SphericalJoint
+from exudyn.itemInterface import (
+    CartesianSpringDamper,
+    Force,
+    LoadForceVector,
+    MarkerNodePosition,
+    NodePointGround,
+    SphericalJoint,
+)
 
 from exudyn_inext import (
     DivergenceError,
@@ -81,13 +88,13 @@ SCENES = [(pulled, 1.0), (driven, 0.8)]
 
 @pytest.fixture
 def run(new_mbs, add_sensor, solve):
-    """(scene, end, settings) -> report, places of the mass, and the system."""
+    """(scene, end, period of outputs, settings) -> report, places of the mass, and the system."""
 
-    def with_settings(scene, end, **explicit):
+    def with_settings(scene, end, period=0.02, **explicit):
         mbs = new_mbs()
         sensor = add_sensor(mbs, scene(mbs))
         mbs.Assemble()
-        report = solve(mbs, settings=quiet_settings(end, 1, 0.02), **explicit)
+        report = solve(mbs, settings=quiet_settings(end, 1, period), **explicit)
         return report, trajectory(mbs, sensor)[:, 1:], mbs
 
     return with_settings
@@ -115,6 +122,33 @@ def test_a_spring_that_catches_a_mass_stays_within_its_limit(run):
     assert 0.0 < report["stepSize"] < 2.0 / stiff
     assert 0 < report["rejections"] < 10
     assert report["steps"] < 0.8 * stiff
+
+
+def thrown(mbs):
+    """A rope of 10 g, by a spring that is compressed by 5 cm."""
+    section = {"massPerLength": 0.01, "bendingStiffness": 1e-4}
+    nodes, _ = either_cable(
+        mbs, False, 2, section, 1e4, numberOfElements=8, positionStart=[0, 0, 0], positionEnd=[0.8, 0.6, 0]
+    )
+    for axis in (0, 1):
+        hold(mbs, nodes[0], axis)
+    ends = [
+        mbs.AddMarker(MarkerNodePosition(nodeNumber=n)) for n in (mbs.AddNode(NodePointGround()), nodes[-1])
+    ]
+    mbs.AddObject(
+        CartesianSpringDamper(markerNumbers=ends, stiffness=[1000, 1000, 0], offset=[0.83, 0.56, 0])
+    )
+    return nodes[-1]
+
+
+def test_steps_that_become_shorter_for_the_motion_are_as_accurate_as_equal_ones(run):
+    """They followed the limit, too, divided, and lost energy at each change: four times the error."""
+    _, exact, _ = run(thrown, 0.02, 2e-4, stepSize=2.5e-6)
+    report, path, _ = run(thrown, 0.02, 2e-4, adaptiveStep=True)
+    _, equal, _ = run(thrown, 0.02, 2e-4, stepSize=report["meanStepSize"])
+    errors = [np.abs(found - exact).max() for found in (path, equal)]
+    assert errors[1] > 1e-4
+    assert errors[0] < 1.5 * errors[1]
 
 
 def test_stiffness_that_is_set_during_a_run_is_followed(new_mbs, add_sensor, solve):

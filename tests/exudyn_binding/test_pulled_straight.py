@@ -1,8 +1,10 @@
 """A cable that is longer than its supports are apart, until one of them moves too far."""
 
+import numpy as np
 import pytest
 from exudyn.itemInterface import (
     CoordinateConstraint,
+    CoordinateSpringDamper,
     MarkerNodeCoordinate,
     MarkerNodePosition,
     NodePointGround,
@@ -13,6 +15,7 @@ from exudyn_inext import (
     CableShape,
     CreateInextensibleCable,
     DivergenceError,
+    ExplicitSettings,
     InextensibleCable,
     SolveExplicit,
 )
@@ -60,3 +63,42 @@ def test_the_error_names_it_and_its_remedy_works(new_mbs, on_body):
         pulled(new_mbs(), on_body)
     assert "has to be smaller" not in str(error.value)  # no step would help
     assert pulled(new_mbs(), on_body, axialStiffness=1e4)["success"]
+
+
+def rubbed(mbs, friction, **explicit):
+    """A mass at the end of a straight cable, with a friction of v that is larger than what lets it fall."""
+    cable = CreateInextensibleCable(
+        mbs,
+        [0, 0, 0],
+        [1, 0, 0],
+        8,
+        InextensibleCable(**SECTION),
+        gravity=[0, -9.81, 0],
+        groundConstraintsStart=[True, True, False, False],
+    )
+    body = mbs.CreateMassPoint(
+        mass=0.5, referencePosition=[1, 0, 0], gravity=[0, -9.81, 0], create2D=True, returnDict=True
+    )
+    nodes = cable["nodes"][-1], body["nodeNumber"]
+    pair = [mbs.AddMarker(MarkerNodePosition(nodeNumber=node)) for node in nodes]
+    mbs.AddObject(SphericalJoint(markerNumbers=pair, constrainedAxes=[1, 1, 0]))
+    places = (mbs.AddNode(NodePointGround()), 0), (body["nodeNumber"], 1)
+    rails = [mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=n, coordinate=k)) for n, k in places]
+
+    def force(mbs, t, number, u, v, stiffness, damping, offset):
+        return friction(v)
+
+    mbs.AddObject(CoordinateSpringDamper(markerNumbers=rails, springForceUserFunction=force))
+    mbs.Assemble()
+    return SolveExplicit(mbs, quiet_settings(0.05, 5), ExplicitSettings(**explicit))
+
+
+@pytest.mark.filterwarnings("ignore:damping of")
+def test_a_force_that_jumps_is_named_before_a_cable_that_happens_to_be_straight(new_mbs):
+    def jumping(v):
+        return 20.0 * float(np.sign(v))
+
+    with pytest.raises(DivergenceError, match=r"a force that jumps, as friction by sign\(v\)"):
+        rubbed(new_mbs(), jumping)
+    assert rubbed(new_mbs(), lambda v: 20.0 * float(np.tanh(v / 1e-3)))["success"]
+    assert rubbed(new_mbs(), jumping, energyTolerance=10.0)["success"]
