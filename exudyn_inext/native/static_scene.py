@@ -130,7 +130,7 @@ class StaticScene:
 
 
 def _varying(scene: SceneOfExudyn) -> list[np.ndarray]:
-    """Coordinates that forces of items, or Jacobians of joints, depend on, of each item but those that slide."""
+    """Coordinates that forces of items, or Jacobians of joints, depend on, by items that do not slide."""
     mbs, data = scene.mbs, scene.mbs.systemData
     left_out = {part.cable.number for part in scene.cables} | scene.elsewhere
     found = _in_general_contact(scene)

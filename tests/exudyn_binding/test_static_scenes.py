@@ -805,3 +805,27 @@ def test_a_bridge_on_flexible_cables_comes_to_rest_as_on_stiffer_ones():
     iterations, flexible = found(1e2)
     assert iterations <= 3 * few
     np.testing.assert_allclose(flexible, stiffer, atol=2e-3)
+
+
+def test_a_slope_that_is_held_by_too_many_joints_is_refused_and_the_remedy_works():
+    def found(held):
+        mbs = exudyn.SystemContainer().AddSystem()
+        template = InextensibleCable(massPerLength=0.5, bendingStiffness=1.0)
+        pin = {"groundConstraintsStart": [True, True, False, False], "dimension": 2}
+        nodes = CreateInextensibleCable(mbs, [0, 0, 0], [1, 0, 0], 8, template, [0, -9.81, 0], **pin)["nodes"]
+        ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+        for name, value in held.items():
+            marker = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=nodes[0], coordinate=2 + "xy".index(name)))
+            mbs.AddObject(
+                CoordinateConstraint(
+                    name=name,
+                    markerNumbers=[ground, marker],
+                    offsetUserFunction=lambda mbs, t, item, offset, value=value: value * (1.0 + t),
+                )
+            )
+        mbs.Assemble()
+        return SolveEquilibrium(mbs, staticSettings=StaticSettings(maxIterations=30))
+
+    with pytest.raises(EquilibriumError, match=r"'x' \(ConnectorCoordinate\), equation 0, .* remove joints"):
+        found({"x": 0.0, "y": 0.0})
+    assert found({"y": 0.0})["success"]
