@@ -90,6 +90,7 @@ def _of_cables(mbs: Any, scene: Scene, time: float, number: int) -> Iterator[tup
 def _of_scene(mbs: Any, scene: Scene, time: float, number: int) -> Iterator[tuple[Array, Array]]:
     """As `_of_cables`, of all that moves together."""
     with scene_at_rest(mbs, scene, time) as (joined, _, potential, start, _):
+        potential.turn_with(start)
         about = _about_rest(potential, start, "the scene")
         values, vectors = vibrations(about, number)
         _require_potential(about, values, vectors, joined)

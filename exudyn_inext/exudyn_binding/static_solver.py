@@ -26,6 +26,7 @@ from ..native.velocity_level import at_position_level
 from ..run.cable_loads import CableLoads
 from ..run.redundancy import held_straight
 from ..scene.model import CableInScene, Scene, put_reactions
+from ..scene.redundant_rows import PIVOT_TOLERANCE, not_independent, shares_of_pivots
 from ..statics import (
     Equilibrium,
     JoinedPotential,
@@ -92,6 +93,7 @@ def require_reach(cable: Cable, time: float, scene_cable: CableInScene) -> None:
 
 
 MOST_ITERATIONS = 1_000_000
+MOST_ROWS = 1000  # of constraints, that are looked through for those that depend on others
 
 
 @dataclass(frozen=True)
@@ -313,13 +315,14 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
         q = equilibrium.q
         reactions = others.reactions(q, equilibrium.multipliers[-len(others.values(q)) or len(q) :])
         data = others.data(q)
-        where, taut = "", list[str]()
+        where, taut, redundant = "", list[str](), ""
         if np.isfinite(equilibrium.residual) and not equilibrium.converged:
             largest = potential.least_balanced(q, equilibrium.multipliers)
             where = f", largest at {joined.coordinate_name(joined.map.indices[largest])}"
             places = zip(scene.cables, joined.map.slices, strict=False)
             there = [f"cable '{one.name}'" for one, dofs in places if dofs.start <= largest < dofs.stop]
             taut = [one for one in held_straight(joined, q, 1.0 - TAUT) if one in there]
+            redundant = _redundant(potential, q, joined.native_items.joints)
     multipliers = potential.multipliers_of_cables(equilibrium.multipliers)
     of_cables = [
         replace(equilibrium, q=q[dofs].reshape(cable.cable.reference.shape))
@@ -328,7 +331,7 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
     report = _report(scene.cables, of_cables, time)
     if not equilibrium.converged:
         pairs = zip(scene.cables, of_cables, strict=True)
-        said = _failure("the scene", equilibrium, "maxIterations", pairs, time, where, taut)
+        said = _failure("the scene", equilibrium, "maxIterations", pairs, time, where, taut, redundant)
         raise EquilibriumError(said, StaticReport(report, success=False))
     for k, own in enumerate(multipliers):
         _put_reactions(scene.cables[k], of_cables[k].q, own, time, reactions)
@@ -337,6 +340,19 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
     rest_at(mbs, joined.displacements(q), reactions)
     put_data(mbs, data)
     return report
+
+
+def _redundant(potential: JoinedPotential, q: Array, joints: Sequence[str]) -> str:
+    """What is said of joints that depend on other constraints at q; empty if none does.
+
+    joints: names of their rows, which are the last ones of all constraints.
+    """
+    jacobian = potential.jacobian(q)
+    if jacobian.shape[0] > MOST_ROWS:
+        return ""
+    pivots = shares_of_pivots((jacobian @ jacobian.T).toarray())[-len(joints) or len(q) :]
+    found = [name for name, pivot in zip(joints, pivots, strict=True) if pivot <= PIVOT_TOLERANCE]
+    return str(not_independent(found)).rstrip(".") if found else ""
 
 
 def _put_reactions(cable: CableInScene, q: Array, multipliers: Array, time: float, reactions: Array) -> None:
@@ -419,15 +435,17 @@ def _failure(
     time: float,
     where: str = "",
     taut: Sequence[str] = (),
+    redundant: str = "",
 ) -> str:
     """What went wrong and what helps.
 
     cables: with their last states.   where: forces are not balanced.   taut: names of cables that are
-        straight between what holds their ends.
+        straight between what holds their ends.   redundant: what is said of joints that depend on others.
     """
     pairs = list(cables)
     hints = list(filter(None, (hint(cable, own.q, time) for cable, own in pairs)))
     hints += [f"{one} is straight between what holds its ends, {NO_TENSION}" for one in taut]
+    hints += [redundant] if redundant else []
     is_met = np.isfinite(equilibrium.residual)
     nearer = "start nearer to the equilibrium"
     ways = ["add supports", nearer, f"use more {more}"] if is_met else [REACH, nearer]

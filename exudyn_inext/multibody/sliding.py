@@ -88,8 +88,11 @@ has_nothing(NoSliders, place_sliders, move_sliders)
 
 
 @inlined
-def set_frame(dimension, slope, turn):
-    """Slope and normals as columns of an orientation (3, 3).   slope: (3,) r'."""
+def set_frame(dimension, slope, frame, turn):
+    """Slope and normals as columns of an orientation (3, 3).
+
+    slope: (3,) r'.   frame: (3, 3) rows e and both b.
+    """
     norm = np.sqrt(dot(slope, slope))
     for i in range(3):
         turn[i, 0] = slope[i] / norm
@@ -98,9 +101,9 @@ def set_frame(dimension, slope, turn):
         return
     t = turn[:, 0]
     for j in range(1, 3):
-        share = dot(FRAME[j], t) / (1.0 + dot(FRAME[0], t))
+        share = dot(frame[j], t) / (1.0 + dot(frame[0], t))
         for i in range(3):
-            turn[i, j] = FRAME[j, i] - share * (t[i] + FRAME[0, i])
+            turn[i, j] = frame[j, i] - share * (t[i] + frame[0, i])
 
 
 @inlined
@@ -176,7 +179,7 @@ def place_all_sliders(sliders, points, q):
         _find_foot(slider, sliders.lengths, point, points[slider.follows], q)
         dim = slider.dimension
         point.first, point.width = slider.first + 2 * dim * slider.segment, 4 * dim
-        set_frame(dim, slider.slope, point.orientation)
+        set_frame(dim, slider.slope, FRAME, point.orientation)
         for j in range(4):
             point.weights[j] = slider.weights[0, j]
             for i in range(dim):

@@ -20,7 +20,7 @@ from exudyn.exudynCPP import ObjectIndex
 from ..arrays import Array
 from ..errors import SceneError
 from ..items.parameters import set_unnoted
-from ..multibody.sliding import BEYOND, set_frame, weigh
+from ..multibody.sliding import BEYOND, FRAME, set_frame, weigh
 from ..run.compiled_scene import off_cable
 from .joint_item import JACOBIAN, JointItem
 
@@ -43,6 +43,7 @@ class Foot(NamedTuple):
     """Place on a chain, in 2 or 3 dimensions d.
 
     segment: which element.   x: on it [m].   weights: (4,) S.   slope: (d,) r'.   way: (d,) p - r [m].
+    frame: (3, 3) from which that of the slope follows, see `multibody.sliding`.
     """
 
     segment: int
@@ -50,13 +51,20 @@ class Foot(NamedTuple):
     weights: Array
     slope: Array
     way: Array
+    frame: Array
+
+    @property
+    def orientation(self) -> Array:
+        """(3, 3) rows: the direction of the slope, and the normals."""
+        turn = np.eye(3)
+        set_frame(len(self.slope), np.array([*self.slope, 0.0])[:3], self.frame, turn)
+        return turn.T
 
     @property
     def normals(self) -> Array:
-        """(d - 1, d), see `multibody.sliding`."""
-        dim, turn = len(self.slope), np.eye(3)
-        set_frame(dim, np.array([*self.slope, 0.0])[:3], turn)
-        return turn[:dim, 1:dim].T
+        """(d - 1, d)"""
+        dim = len(self.slope)
+        return self.orientation[1:dim, :dim]
 
     def beyond(self, length: float) -> float:
         """How far it lies beyond the ends of its element [m]; that of others than the end ones never does."""
@@ -77,7 +85,7 @@ class SlidingJoint(JointItem):
     chain: (E, 4 d) places of their coordinates in the system vector.   references: (E, 4 d) of these.
     lengths, offsets: (E,) of elements, and s of their first nodes [m].
     data: (2,) places of segment and s among the data.   is_classical: which of Exudyn's formulations it has.
-    last: (2,) segment, and x there [m], that were found last.
+    last: (2,) segment, and x there [m], that were found last.   frame: see `Foot`.
     """
 
     equations: np.ndarray
@@ -90,6 +98,7 @@ class SlidingJoint(JointItem):
     data: np.ndarray
     is_classical: bool
     last: Array = field(default_factory=lambda: np.zeros(2))
+    frame: Array = field(default_factory=FRAME.copy)
 
     @property
     def dimension(self) -> int:
@@ -121,7 +130,19 @@ class SlidingJoint(JointItem):
             elif x > length and segment < len(self.chain) - 1:
                 segment, x = segment + 1, 0.0
         self.last[:] = segment, x
-        return Foot(segment, x, at.weights[0], slope, way)
+        return Foot(segment, x, at.weights[0], slope, way, self.frame)
+
+    def near(self, mbs: Any) -> np.ndarray:
+        """(k,) coordinates of the slider, and of the element on which it is."""
+        of_slider = self.coordinates[: -np.unique(self.chain).size]
+        return np.concatenate([of_slider, self.chain[self.foot(mbs).segment]])
+
+    def turn_with(self, mbs: Any) -> None:
+        """Let the frame follow from the present one, so that it does not twist about the slope there.
+
+        A twist turns the force of the joint, which has no potential then.
+        """
+        self.frame[:] = self.foot(mbs).orientation
 
     def jacobian(self, mbs: Any) -> Array:
         """See `JointItem`; what the slider moves by is that of Exudyn's equations of positions, -dp/dq."""

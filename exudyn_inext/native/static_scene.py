@@ -18,6 +18,7 @@ from ..items.functions_of_time import is_of_time_alone
 from .bodies import read_quaternions
 from .circles_in_the_way import CirclesInTheWay
 from .evaluated_scene import SceneOfExudyn
+from .sliding_joints import SlidingJoint
 
 _ROTATIONS = {"RigidBody2D": 2, "Point2DSlope1": 2, "PointSlope1": 3, "PointSlope12": 3, "PointSlope23": 3}
 """Where the rotations, or slopes, of a node begin."""
@@ -30,7 +31,8 @@ class StaticScene:
         scene: evaluated by Exudyn.   t: at which loads and joints are taken [s].
 
     mass: (b, b) of the bodies, whose coordinates come last.
-    varying: coordinates that forces or Jacobians depend on, item by item.
+    varying: coordinates that forces or Jacobians depend on, item by item; of what slides near the last
+        state of `turn_with`.
     quaternions: (Q, 4) places of Euler parameters.   references: (Q, 4) added to these.
     turning: (k,) places of coordinates that turn bodies.
     """
@@ -52,13 +54,26 @@ class StaticScene:
         self.force(scene.initial_state[0])
         self.mass = scene.body_system.mass
         bodies = scene.map.slices[-1]
-        self.varying = _varying(scene)
+        self._sliding = [joint for joint in scene.joints if isinstance(joint, SlidingJoint)]
+        self._varying = self.varying = _varying(scene)
         quaternions = read_quaternions(mbs)
         places = [[scene.map.place(c) for c in one.coordinates] for one in quaternions]
         self.quaternions = np.array(places, dtype=int).reshape(-1, 4)
         self.references = np.array([one.reference for one in quaternions]).reshape(-1, 4)
         self.turning = _turning(scene, bodies.start)
         self._circles = CirclesInTheWay(mbs)
+
+    @property
+    def slides(self) -> bool:
+        return len(self._sliding) > 0
+
+    def turn_with(self, q: Array) -> None:
+        """Sliding joints meet the elements on which they are at q, and their frames do not twist there."""
+        scene = self._scene
+        scene.native_items.set_state(self._time, q, self._rest)
+        for joint in self._sliding:
+            joint.turn_with(scene.mbs)
+        self.varying = self._varying + [_places(scene, joint.near(scene.mbs)) for joint in self._sliding]
 
     def force(self, q: Array) -> Array:
         """F (n,) of all items but the cables, and of these items on the cables, at rest."""
@@ -115,12 +130,13 @@ class StaticScene:
 
 
 def _varying(scene: SceneOfExudyn) -> list[np.ndarray]:
-    """Coordinates that forces of items, or Jacobians of joints, depend on, of each item."""
+    """Coordinates that forces of items, or Jacobians of joints, depend on, by items that do not slide."""
     mbs, data = scene.mbs, scene.mbs.systemData
     left_out = {part.cable.number for part in scene.cables} | scene.elsewhere
     found = _in_general_contact(scene)
     found += [_places(scene, body.coordinates) for body in scene.bodies]
-    found += [_places(scene, joint.coordinates) for joint in scene.joints if not joint.is_linear]
+    bent = [joint for joint in scene.joints if not (joint.is_linear or isinstance(joint, SlidingJoint))]
+    found += [_places(scene, joint.coordinates) for joint in bent]
     left_out.update(joint.number for joint in scene.joints)
     for number in range(data.NumberOfObjects()):
         if number not in left_out and _acts(mbs.GetObject(number)):

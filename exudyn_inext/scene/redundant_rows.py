@@ -18,15 +18,22 @@ NOT_FINITE = (
 
 
 def dependent_rows(schur: Array, names: Sequence[str]) -> RedundantConstraintError:
-    """What is said where S, of which the lower triangle is set, is not positive definite.
-
-    A row depends on those before it if its pivot in a Cholesky factorisation of these vanishes.
-    """
+    """What is said where S, of which the lower triangle is set, is not positive definite."""
     if not np.isfinite(schur).all():
         return RedundantConstraintError(NOT_FINITE)
+    pivots = shares_of_pivots(schur)
+    least = max(PIVOT_TOLERANCE, pivots.min())
+    return not_independent([name for name, pivot in zip(names, pivots, strict=True) if pivot <= least])
+
+
+def shares_of_pivots(schur: Array) -> Array:
+    """(m,) pivots of S (m, m) in a Cholesky factorisation, as shares of its diagonal.
+
+    A row depends on those before it if its pivot vanishes. Only the lower triangle of S is read.
+    """
     whole, factor = schur + np.tril(schur, -1).T, np.zeros_like(schur)
     kept: list[int] = []
-    pivots = np.zeros(len(schur))  # as shares of the diagonal
+    pivots = np.zeros(len(schur))
     for row, diagonal in enumerate(schur.diagonal()):
         k = len(kept)
         x = scipy.linalg.solve_triangular(factor[:k, :k], whole[row, kept], lower=True) if k else np.zeros(0)
@@ -34,8 +41,7 @@ def dependent_rows(schur: Array, names: Sequence[str]) -> RedundantConstraintErr
         if pivots[row] > PIVOT_TOLERANCE:
             factor[k, :k], factor[k, k] = x, math.sqrt(pivots[row] * diagonal)
             kept.append(row)
-    least = max(PIVOT_TOLERANCE, pivots.min())
-    return not_independent([name for name, pivot in zip(names, pivots, strict=True) if pivot <= least])
+    return pivots
 
 
 def not_independent(names: Sequence[str]) -> RedundantConstraintError:

@@ -77,16 +77,17 @@ class _Step(NamedTuple):
 def _step(potential: StaticSystem, q: Array, multipliers: Array) -> _Step:
     """multipliers: of the step before."""
     jacobian, force = potential.jacobian(q), potential.force(q)
-    zero, direction, slope = np.zeros(jacobian.shape[0]), np.zeros(q.size), 0.0
+    zero, direction, slope, share = np.zeros(jacobian.shape[0]), np.zeros(q.size), 0.0, 0.0
     for model in _models(potential, q, multipliers):
         try:
             step, new = solve(factorise(model, jacobian, potential.order), force, zero)
         except RuntimeError:  # singular
             continue
         fall = float((step * (model @ step)).sum())  # force @ step, but for round-off of jacobian @ step
-        if np.isfinite(fall) and fall > 0.0:
-            direction, slope, multipliers = step, -fall, new
-            if cautious(potential, step.reshape(q.shape)) > SHORT:
+        own = cautious(potential, step.reshape(q.shape))
+        if np.isfinite(fall) and fall > 0.0 and own > share:
+            direction, slope, multipliers, share = step, -fall, new, own
+            if share > SHORT:
                 break
         elif slope == 0.0 and np.isfinite(new).all():  # balanced forces have no direction, but tension
             multipliers = new

@@ -70,6 +70,7 @@ def _round(places: list[int], reached: list[list[int]]) -> Round:
 STEP = 1e-6  # of differences [m, -]
 SHARE = 1e-9  # of the usual shift, by which all Hessians are made regular: bodies may be free to turn
 INDIFFERENT = -1e-6  # eigenvalue, relative to the usual shift
+OF_WAYS = 0.2  # turn as which a way of a body counts that is as long as a cable [-]
 
 
 class JoinedPotential(StaticSystem):
@@ -99,6 +100,7 @@ class JoinedPotential(StaticSystem):
         for cable, place in zip(cables, self._places, strict=True):
             self._scale[place] = cable.scale
         self._scale[others.turning] = 1.0 / self.length
+        self._moves = np.setdiff1d(np.arange(self._bodies.start, len(start)), others.turning)
         self.largest_load = max(*(cable.largest_load for cable in cables), self.size(others.force(start)))
         self.shift = self.largest_load / max(cable.inertia for cable in cables)
         self.indifferent = INDIFFERENT * self.shift + min(cable.indifferent for cable in cables)
@@ -111,6 +113,9 @@ class JoinedPotential(StaticSystem):
     def turn_with(self, q: Array) -> None:
         for cable, own in self._parts(q):
             cable.turn_with(own)
+        if self._others.slides:
+            self._others.turn_with(q)
+            self._rounds = rounds_of(self._others.varying, self._bodies.start)
 
     def fall(self, q: Array, trial: Array) -> float:
         """See `StaticSystem`; other items by the trapezoidal rule."""
@@ -130,8 +135,10 @@ class JoinedPotential(StaticSystem):
         return inside_out or self._others.is_blocked(q, trial)
 
     def turn(self, step: Array) -> float:
+        """See `StaticSystem`: what is free to move, as along a cable, would be sent to infinity."""
         of_cables = [cable.turn(own) for cable, own in self._parts(step)]
-        return max(*of_cables, float(np.abs(step[self._others.turning]).max(initial=0.0)))
+        ways = OF_WAYS / self.length * np.abs(step[self._moves]).max(initial=0.0)
+        return max(*of_cables, float(ways), float(np.abs(step[self._others.turning]).max(initial=0.0)))
 
     def excursion(self, step: Array) -> float:
         return float(np.abs(step / self._scale).max())

@@ -43,7 +43,7 @@ class StaticSystem(Protocol):
         return False
 
     def turn(self, step: Array) -> float:
-        """Largest change of a slope, and angle of a body, in a step."""
+        """Largest change of a slope, and angle of a body, in a step; long ways of bodies count, too."""
 
     def excursion(self, step: Array) -> float:
         """Largest change of a coordinate in a step [m]; slopes and turns count times a length."""

@@ -774,3 +774,58 @@ def test_a_scene_far_from_the_origin_comes_to_rest_as_beside_it():
         return b.mbs.GetNodeOutput(nodes[-1], exudyn.OutputVariableType.Position) - place
 
     np.testing.assert_allclose(lowest([300.0, -500.0, 200.0]), lowest([0.0, 0.0, 0.0]), atol=1e-7)
+
+
+def test_a_bridge_on_flexible_cables_comes_to_rest_as_on_stiffer_ones():
+    def found(stiffness):
+        mbs = exudyn.SystemContainer().AddSystem()
+        share = np.linspace(0.0, 1.0, 13)
+        places = np.stack([60.0 * share, 10.0 - 32.0 * share * (1.0 - share)], axis=1)
+        slopes = np.stack([np.full(13, 60.0), 32.0 * (2.0 * share - 1.0)], axis=1)
+        line = CableShape.Line([0, 0], [60, 0], 12)
+        shapes = [CableShape(places, slopes / np.linalg.norm(slopes, axis=1)[:, None]), line]
+        sections = [(30.0, stiffness, 3e8), (200.0, 5e7, 1e9)]
+        nodes = []
+        for shape, (mass, bending, axial) in zip(shapes, sections, strict=True):
+            section = InextensibleCable(massPerLength=mass, bendingStiffness=bending, axialStiffness=axial)
+            held = {f"groundConstraints{end}": [True, True, False, False] for end in ("Start", "End")}
+            cable = CreateInextensibleCable(
+                mbs, shape=shape, beamTemplate=section, gravity=[0, -9.81, 0], dimension=2, **held
+            )
+            nodes.append(cable["nodes"])
+        for above, below, place in list(zip(*nodes, places, strict=True))[1:-1]:
+            markers = [mbs.AddMarker(MarkerNodePosition(nodeNumber=node)) for node in (above, below)]
+            mbs.AddObject(SpringDamper(markerNumbers=markers, stiffness=5e6, referenceLength=place[1]))
+        mbs.Assemble()
+        report = SolveEquilibrium(mbs)
+        outputs = [mbs.GetNodeOutput(node, exudyn.OutputVariableType.Position) for node in nodes[0]]
+        return report["iterations"], np.array(outputs)
+
+    few, stiffer = found(3e4)
+    iterations, flexible = found(1e2)
+    assert iterations <= 3 * few
+    np.testing.assert_allclose(flexible, stiffer, atol=2e-3)
+
+
+def test_a_slope_that_is_held_by_too_many_joints_is_refused_and_the_remedy_works():
+    def found(held):
+        mbs = exudyn.SystemContainer().AddSystem()
+        template = InextensibleCable(massPerLength=0.5, bendingStiffness=1.0)
+        pin = {"groundConstraintsStart": [True, True, False, False], "dimension": 2}
+        nodes = CreateInextensibleCable(mbs, [0, 0, 0], [1, 0, 0], 8, template, [0, -9.81, 0], **pin)["nodes"]
+        ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+        for name, value in held.items():
+            marker = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=nodes[0], coordinate=2 + "xy".index(name)))
+            mbs.AddObject(
+                CoordinateConstraint(
+                    name=name,
+                    markerNumbers=[ground, marker],
+                    offsetUserFunction=lambda mbs, t, item, offset, value=value: value * (1.0 + t),
+                )
+            )
+        mbs.Assemble()
+        return SolveEquilibrium(mbs, staticSettings=StaticSettings(maxIterations=30))
+
+    with pytest.raises(EquilibriumError, match=r"'x' \(ConnectorCoordinate\), equation 0, .* remove joints"):
+        found({"x": 0.0, "y": 0.0})
+    assert found({"y": 0.0})["success"]

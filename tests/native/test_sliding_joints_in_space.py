@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from exudyn.beams import GenerateBeamElementsAlongLine
 from exudyn.itemInterface import (
+    CartesianSpringDamper,
     MarkerBodyBeamShape,
+    MarkerBodyPosition,
     MarkerBodyRigid,
     ObjectANCFCable,
     ObjectJointSliding,
@@ -15,7 +17,12 @@ from exudyn.itemInterface import (
 )
 from exudyn.utilities import InertiaCuboid
 
-from exudyn_inext import CreateCompanionCables, CreateInextensibleCable
+from exudyn_inext import (
+    ComputeEigenvalues,
+    CreateCompanionCables,
+    CreateInextensibleCable,
+    SolveEquilibrium,
+)
 from exudyn_inext.errors import SceneError
 from exudyn_inext.native.known import joints as known_joints
 from exudyn_inext.native.known.unknown import UnknownItemError
@@ -94,6 +101,20 @@ def test_exudyns_evaluation_and_the_compiled_form_agree(monkeypatch):
     for name in ("place", "SlidingCoordinate"):
         assert np.allclose(found[name], compiled[name], rtol=0, atol=1e-8), name
     assert np.allclose(found["Force"], compiled["Force"], rtol=1e-4, atol=1e-3)
+
+
+def test_vibrations_of_what_slides_have_a_potential():
+    scene = trolley(inextensible)
+    mbs = scene.mbs
+    ground = mbs.CreateGround(referencePosition=[0.8 * START, -0.5, 0.2])
+    body = mbs.GetSensor(scene.sensors["place"])["bodyNumber"]
+    markers = [mbs.AddMarker(MarkerBodyPosition(bodyNumber=number)) for number in (ground, body)]
+    mbs.AddObject(CartesianSpringDamper(markerNumbers=markers, stiffness=[20.0] * 3))
+    mbs.Assemble()
+    report = SolveEquilibrium(mbs)
+    assert report["iterations"] <= 15
+    found = ComputeEigenvalues(mbs, numberOfEigenvalues=4)["eigenvalues"]
+    assert np.isclose(found[0], report["smallestEigenvalue"], rtol=1e-6)
 
 
 @pytest.mark.parametrize(
