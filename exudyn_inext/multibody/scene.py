@@ -261,6 +261,17 @@ def _join(joints, share, moving, x, refines):
 
 
 @inlined
+def _add_joined(joints, added, duration, acceleration, end_velocity):
+    """Add accelerations, (n,) of the parts without joints; `added` is what they do with joints then."""
+    _join(joints, 0.0, 0.0, added, True)
+    for i in range(len(added)):
+        acceleration[i] += added[i]
+        end_velocity[i] += duration * added[i]
+    for r in range(len(joints.multipliers)):
+        joints.multipliers[r] += joints.solved[r]
+
+
+@inlined
 def _accelerate_joined(system, q, v, zeta, learned, acceleration, duration, end_velocity):
     """Those of all parts, from those without joints; see `_join_accelerations` and `improve_damping`."""
     joints, added = system.items.joints, system.items.predicted
@@ -270,12 +281,7 @@ def _accelerate_joined(system, q, v, zeta, learned, acceleration, duration, end_
     for i in range(len(q)):
         added[i] = acceleration[i] if i < system.cable_dofs else 0.0
     if improve_cables(system.cables, q, added):
-        _join(joints, 0.0, 0.0, added, True)
-        for i in range(len(q)):
-            acceleration[i] += added[i]
-            end_velocity[i] += duration * added[i]
-        for r in range(len(joints.multipliers)):
-            joints.multipliers[r] += joints.solved[r]
+        _add_joined(joints, added, duration, acceleration, end_velocity)
 
 
 @protocol
@@ -293,23 +299,22 @@ has_nothing(NoContacts, press_as_joined)
 def press_circles_as_joined(contacts, system, acceleration, duration, end_velocity):
     if not are_implicit(contacts):
         return
-    items, left, added, joints = system.items, system.left, system.items.predicted, system.items.joints
+    items, left, added = system.items, system.left, system.items.predicted
     for i in range(len(left)):
         added[i] = acceleration[i] - system.unjoined[i]
         left[i] = 0.0
     complete_contacts(contacts, items.points, added, left)
+    largest = 0.0
     for i in range(len(left)):
+        largest = max(largest, abs(left[i]))
         items.force[i] += left[i]
         added[i] = 0.0
+    if largest == 0.0:  # no joint holds a cable that touches
+        return
     for b in range(len(items.bodies)):
         first = items.bodies[b].first
         respond_body(items.bodies[b], left[first:], added[first:])
-    _join(joints, 0.0, 0.0, added, True)
-    for i in range(len(added)):
-        acceleration[i] += added[i]
-        end_velocity[i] += duration * added[i]
-    for r in range(len(joints.multipliers)):
-        joints.multipliers[r] += joints.solved[r]
+    _add_joined(items.joints, added, duration, acceleration, end_velocity)
 
 
 @inlined
