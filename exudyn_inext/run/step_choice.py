@@ -228,7 +228,7 @@ def _scaled_bounds(
 
     accuracy: step that resolves the motion [s].
     """
-    step, theta, undamped = accuracy, explicit.massScaling, 0.0
+    step, theta, undamped = accuracy, explicit.massScaling or 0.0, 0.0
     for _ in range(MOST_TRIALS):
         for run in runs if theta else []:
             run.scale_mass(theta, step)
