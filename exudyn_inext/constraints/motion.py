@@ -22,7 +22,8 @@ Function = Callable[[float], Any]
 
 _SCALE = 12.0 * np.array([[STEP], [STEP**2]])
 _CENTRAL = np.array([[1.0, -8.0, 0.0, 8.0, -1.0], [-1.0, 16.0, -30.0, 16.0, -1.0]]) / _SCALE  # of five values
-AHEAD = np.array([[-25.0, 48.0, -36.0, 16.0, -3.0], [35.0, -104.0, 114.0, -56.0, 11.0]]) / _SCALE
+AHEAD = np.array([[-137.0, 300.0, -300.0, 200.0, -75.0, 12.0], [225.0, -770.0, 1070.0, -780.0, 305.0, -50.0]])
+AHEAD /= 5.0 * _SCALE
 
 
 def motion_of(
@@ -71,7 +72,8 @@ def _vector(value: Any) -> Array:
 def differences(function: Function, t: float) -> Array:
     """(3, n) values of a function t [s] -> (n,), or a number, and first two derivatives by differences.
 
-    They are exact up to the fourth power of the time, and those of one side where it begins or ends.
+    They are exact up to the fourth power of the time. Where it begins or ends, they are those of one side,
+    exact up to the fifth, of which smooth steps are.
     """
     return differences_and_side(function, t)[0]
 
@@ -81,7 +83,7 @@ def differences_and_side(function: Function, t: float) -> tuple[Array, int]:
     values = _around(function, t)
     value, side, weights = values[2], _side(function, t, values), _CENTRAL
     if side:
-        values = np.array([_beside(function, t + k * side * STEP) for k in range(5)])
+        values = np.array([_beside(function, t + k * side * STEP) for k in range(AHEAD.shape[1])])
         weights = AHEAD * [[side], [1.0]]
     return np.concatenate([value[np.newaxis], weights @ (values - value)]), side
 

@@ -18,9 +18,9 @@ from .joint_item import JointItem
 from .sliding_joints import SlidingJoint
 
 STEP = 1e-4  # of differences along the motion [m, -, s], where coordinates are 1 at most
-# places, in steps, and weights of second differences: between two, or of one side up to the fourth power
+# places, in steps, and weights of second differences: between two, or of one side up to the fifth power
 _BETWEEN = np.array([1.0, -1.0]), np.ones(2)
-_BESIDE = np.arange(1.0, 5.0), STEP_OF_TIME**2 * AHEAD[1, 1:]
+_BESIDE = np.arange(1.0, AHEAD.shape[1]), STEP_OF_TIME**2 * AHEAD[1, 1:]
 
 
 class JointRows:

@@ -210,21 +210,38 @@ def _bounds_and_scaling(
         lightest = min(run.lightest_body for run in runs if isinstance(run, CoupledRun))
         of_bending = min(step_of_short_waves(cable, lightest) for cable in cables)
         accuracy = min(accuracy, of_bending, *(_step_of_states(run, start) for run in runs))
-    step, theta = accuracy, _mass_scaling(cables, accuracy, explicit, usual)
+    theta = _mass_scaling(cables, accuracy, explicit, usual)
     explicit = replace(explicit, massScaling=theta)
     for run in runs:
         mesh = resolution_of_mesh(run, start, theta)
         phase = PHASE if isinstance(run, CableRun) else _phase_among_bodies(theta)
         run.watch.limit_phase(min(duration, MOST_DURATION), phase, mesh, small_error(run))
+    return _scaled_bounds(runs, start, explicit, accuracy), explicit
+
+
+def _scaled_bounds(
+    runs: Sequence[Run], start: float, explicit: ExplicitSettings, accuracy: float
+) -> StepSizeBounds:
+    """Bounds of the step, with the mass scaled for the largest one that they allow.
+
+    `undamped` is that of the largest step which its own mass allows without damping: damping makes steps
+    shorter, and with them scaled masses lighter.
+
+    accuracy: step that resolves the motion [s].
+    """
+    step, theta, undamped = accuracy, explicit.massScaling or 0.0, 0.0
     for _ in range(MOST_TRIALS):
         for run in runs if theta else []:
             run.scale_mass(theta, step)
         bounds = step_bounds(runs, start, explicit, accuracy)
+        without, _ = largest_step(replace(bounds, bending=bounds.undamped), explicit.stepSafety)
+        if without >= NEARLY * step:
+            undamped = max(undamped, bounds.undamped)
         wanted, _ = largest_step(bounds, explicit.stepSafety)
         if not theta or wanted >= NEARLY * step:
             break
         step = _for_its_own_mass(wanted, step, theta, bounds)
-    return bounds, explicit
+    return replace(bounds, undamped=max(undamped, bounds.undamped))
 
 
 def _accuracy(run: Run, start: float) -> float:
@@ -384,8 +401,8 @@ def warn_of_damping(choice: StepChoice, duration: float) -> None:
         warnings.warn(
             f"damping of {bounds.damping:.3g} 1/s at {bounds.cable} bounds the step to {bounds.bending:.3g} "
             f"s, where {bounds.undamped:.3g} s hold without it: dashpots that Exudyn evaluates, or whose "
-            "axes are coupled, drag, also by functions of loads, and under RK4 all dashpots and bending "
-            f"damping are explicit; let these damp less{other}.",
+            "axes are coupled, friction in its proportional zone, drag, also by functions of loads, and "
+            f"under RK4 all dashpots and bending damping are explicit; let these damp less{other}.",
             stacklevel=3,
         )
 

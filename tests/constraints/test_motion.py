@@ -130,8 +130,8 @@ def test_a_run_may_begin_where_a_motion_ends_unless_its_velocity_jumps_there():
 
 
 @pytest.mark.parametrize("side", [1.0, 0.0, -1.0])
-def test_differences_are_exact_up_to_the_fourth_power(side):
-    coefficients = [1.0, -2.0, 3.0, -4.0, 5.0]
+def test_differences_are_exact_up_to_the_fourth_power_and_of_one_side_up_to_the_fifth(side):
+    coefficients = [1.0, -2.0, 3.0, -4.0, 5.0, -6.0 if side else 0.0]
 
     def position(t):
         is_there = side * (t - T) >= 0.0

@@ -62,6 +62,31 @@ def test_scenes_have_the_same_form_and_motion_in_any_unit_of_length(unit):
     np.testing.assert_allclose(own_place, place, rtol=0, atol=1e-9)
 
 
+@pytest.mark.parametrize("on_carriage", [False, True])
+def test_a_fast_motion_that_begins_smoothly_is_not_warned_of_in_millimetres(on_carriage):
+    """10 cm within 0.06 s: differences find 2e-6 mm/s at rest, where it begins."""
+    mbs = exudyn.SystemContainer().AddSystem()
+    section, gravity = InextensibleCable(massPerLength=4e-9, bendingStiffness=4e3), [0, -9810, 0]
+    node = CreateInextensibleCable(mbs, [0, 0, 0], [300, 0, 0], 4, section, gravity=gravity)["nodes"][0]
+
+    def lift(mbs, t, item, offset):
+        x = min(max(t / 0.06, 0.0), 1.0)
+        return 100.0 * x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
+
+    if on_carriage:
+        carriage = mbs.CreateMassPoint(mass=1e-3, create2D=True, returnDict=True)
+        joined = mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
+        node = carriage["nodeNumber"]
+        held = mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
+        mbs.AddObject(RevoluteJoint2D(markerNumbers=[held, joined]))
+    fixed = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+    for k, function in ((0, {}), (1, {"offsetUserFunction": lift})):
+        own = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=k))
+        mbs.AddObject(CoordinateConstraint(markerNumbers=[fixed, own], **function))
+    mbs.Assemble()
+    SolveExplicit(mbs, quiet_settings(0.01, 10))
+
+
 def test_a_support_that_vibrates_at_1_kHz_needs_milliseconds():
     """20 periods of 0.1 mm; refused in seconds, and as a native run in the unit that the message names."""
 

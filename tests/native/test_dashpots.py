@@ -93,6 +93,20 @@ def test_they_move_a_cable_as_exudyn_says(new_mbs, add_sensor, solve, known_answ
     known_answer(f"{law} with dashpots, {dimension}D, against a native cable", error)
 
 
+@pytest.mark.parametrize("damping", [1.0, 3.0])
+def test_weak_ones_shorten_no_step_for_which_the_mass_is_scaled(new_mbs, solve, damping):
+    """The shorter that step, the lighter the scaled mass, and the faster what vibrates beside them."""
+    steps = []
+    for given in (damping, DAMPING):
+        mbs = new_mbs()
+        hang(mbs, 2, "springs", elements=24, damping=given)
+        mbs.Assemble()
+        report = solve(mbs, 0.02)
+        assert report["bounds"].damping == 0.0
+        steps.append(report["stepSize"])
+    assert steps[0] == steps[1]
+
+
 def mass_on_a_dashpot(mbs, **start):
     """A mass point of 1 g among others, on 10 N s/m: z = 1e4 h / s."""
     add_pendulum(mbs)
