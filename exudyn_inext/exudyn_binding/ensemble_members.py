@@ -102,11 +102,14 @@ def _naming(number: int) -> Iterator[None]:
 @contextmanager
 def _naming_warnings(number: int) -> Iterator[None]:
     """So does every warning."""
-    with warnings.catch_warnings(record=True) as found:
-        warnings.simplefilter("always")
-        yield
-    for one in found:
-        warnings.warn(f"member {number} of the ensemble: {one.message}", one.category, stacklevel=2)
+    found: list[warnings.WarningMessage] = []
+    try:
+        with warnings.catch_warnings(record=True) as found:
+            warnings.simplefilter("always")
+            yield
+    finally:
+        for one in found:
+            warnings.warn(f"member {number} of the ensemble: {one.message}", one.category, stacklevel=2)
 
 
 def _runs(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> Sequence[Run]:

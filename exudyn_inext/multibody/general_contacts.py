@@ -37,7 +37,6 @@ from .implicit_contacts import (
     CONTACT,
     NOTHING,
     add_contact,
-    are_implicit,
     complete_contacts,
     press,
     reconsider_contacts,
@@ -383,14 +382,6 @@ def reconsider_general_contacts(contacts, points, a, force):
         if pair.lag > 0.0 and _reconsider_part(part, pair, points[pair.circle], a, force):
             changed = True
     return changed
-
-
-@implements(are_implicit, GeneralContacts)
-def are_general_contacts_implicit(contacts):
-    lag = 0.0
-    for k in range(contacts.number[0]):
-        lag = max(lag, contacts.records[contacts.parts[k].pair].lag)
-    return lag > 0.0
 
 
 @implements(complete_contacts, GeneralContacts)

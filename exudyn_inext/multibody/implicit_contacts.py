@@ -95,19 +95,6 @@ def complete_contacts(contacts, points, a, force):
 
 
 @protocol
-def are_implicit(contacts):
-    """Whether damping of a contact is implicit at present."""
-
-
-@implements(are_implicit, Contacts)
-def are_circles_implicit(contacts):
-    lag = 0.0
-    for c in range(len(contacts.records)):
-        lag = max(lag, contacts.records[c].lag)
-    return lag > 0.0
-
-
-@protocol
 def reconsider_contacts(contacts, points, a, force):
     """Whether other contacts act at the velocities to come; if so, force (n,) is theirs, and `press` is due.
 

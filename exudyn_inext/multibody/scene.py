@@ -51,7 +51,7 @@ from .cables import (
 from .circle_contacts import Contacts, NoContacts, add_contacts, finish_contacts, recall_contacts
 from .connectors import add_connectors
 from .dashpots import aim_dashpots
-from .implicit_contacts import are_implicit, complete_contacts, press, reconsider_contacts
+from .implicit_contacts import complete_contacts, press, reconsider_contacts
 from .joints import (
     Joints,
     apply_joints,
@@ -297,8 +297,6 @@ has_nothing(NoContacts, press_as_joined)
 
 @implements(press_as_joined, Contacts)
 def press_circles_as_joined(contacts, system, acceleration, duration, end_velocity):
-    if not are_implicit(contacts):
-        return
     items, left, added = system.items, system.left, system.items.predicted
     for i in range(len(left)):
         added[i] = acceleration[i] - system.unjoined[i]
@@ -309,7 +307,7 @@ def press_circles_as_joined(contacts, system, acceleration, duration, end_veloci
         largest = max(largest, abs(left[i]))
         items.force[i] += left[i]
         added[i] = 0.0
-    if largest == 0.0:  # no joint holds a cable that touches
+    if largest == 0.0:  # no joint holds a cable that touches, or contact is explicit
         return
     for b in range(len(items.bodies)):
         first = items.bodies[b].first

@@ -114,9 +114,10 @@ class PacedRun:
         """Why no step was small enough, if that is known.   time: start of the interval of the loop [s]."""
         time, step = time + self.control.offset, self.watch.resolving_step
         soon = max(2 * PIECE * self.control.present, SEEN_AHEAD)
-        if self.names_of_places and (jump := find_jump(self.places, time, time + soon)):
+        names = self.names_of_places
+        if names and (jump := find_jump(self.places, time, time + soon)):
             return (
-                f"Cause: {self.names_of_places[jump.number]} moves by {jump.size:.3g} m (or rad) at once at "
+                f"Cause: {names[jump.number]} moves by {jump.size:.3g} m (or rad) at once at "
                 f"t = {jump.time:.6g} s, for which no step is small enough: let it get there within some "
                 "time."
             )
