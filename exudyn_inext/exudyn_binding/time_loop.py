@@ -503,13 +503,13 @@ class ExplicitTimeLoop:
 
     def solved(self, cable: int, time: float) -> Solved | None:
         """A cable, by its object, in the state of mbs; None: nobody has asked for forces there, or
-        something has been changed.
+        something has been changed since.
 
         time: of mbs, which is that of the next state where a pre-step function looks.
         """
         present = self._present()
         if self._is_watched:
-            if self.changes.moves or self.changes.log.is_pending or not self._is_as_handed_out(present):
+            if self.changes.log.is_pending or not self._is_as_handed_out(present):
                 return None
             time = self.time
         if time <= self.grid.time(self.grid.first):  # there, only the run has what was corrected

@@ -149,7 +149,7 @@ class Mover:
 
     def joined_forces(self, time: float) -> Array | None:
         """(n,) of items and joints in the state at `time` [s]; None: nobody has asked for its reactions."""
-        if self._joined is None or self.approaches:
+        if self._joined is None:
             return None
         (times, forces), near = self._joined, ROUND_OFF * max(abs(time), 1.0)
         last = bisect_left(times, time + near) - 1

@@ -9,6 +9,7 @@ from exudyn.utilities import (
     MarkerNodePosition,
     ObjectANCFCable2D,
     RevoluteJoint2D,
+    SensorNode,
     SensorObject,
 )
 
@@ -116,3 +117,28 @@ def test_who_asks_again_gets_the_same_and_nothing_is_read_again(new_mbs, solve, 
     for once, again in zip(*found, strict=True):
         np.testing.assert_array_equal(once, again)
     assert len(read) < 20  # of 100 steps
+
+
+def test_sections_feel_how_step_functions_move_supports(mbs, solve):
+    """At the end of the cable, the tension is the force of the support along the slope."""
+    cable = hanging_cable(mbs, False, False)
+    objects = range(mbs.systemData.NumberOfObjects())
+    held = [k for k in objects if "Coordinate" in mbs.GetObject(k)["objectType"]][:2]
+    force = {"outputVariableType": OutputVariableType.Force, "storeInternal": True}
+    shape = {"outputVariableType": OutputVariableType.Coordinates, "storeInternal": True}
+    of_supports = [mbs.AddSensor(SensorObject(objectNumber=k, **force)) for k in held]
+    of_node = mbs.AddSensor(SensorNode(nodeNumber=cable["nodes"][0], **shape))
+    of_section = CreateCableForceSensor(mbs, cable, 0.0)
+
+    def lift(mbs, t):
+        mbs.SetObjectParameter(held[1], "offset", 0.05 * np.sin(6.0 * t) ** 2)
+        return True
+
+    mbs.SetPreStepUserFunction(lift)
+    mbs.Assemble()
+    solve(mbs, settings=quiet_settings(0.1, 50, 0.01))
+    x, y = (mbs.GetSensorStoredData(k)[1:, 1] for k in of_supports)
+    slope = mbs.GetSensorStoredData(of_node)[1:, 3:5] + [1.0, 0.0]
+    tension = mbs.GetSensorStoredData(of_section)[1:, 1]
+    along = x * slope[:, 0] + y * slope[:, 1]
+    np.testing.assert_allclose(np.abs(along), np.abs(tension), rtol=0.0, atol=1e-8 * np.abs(along).max())

@@ -14,12 +14,13 @@ from exudyn.itemInterface import (
     MarkerNodePosition,
     NodePointGround,
     SensorBody,
+    SensorNode,
     SensorObject,
     SphericalJoint,
 )
 from exudyn.utilities import InertiaCuboid
 
-from exudyn_inext import ExplicitStepper, SceneError, SolveExplicit
+from exudyn_inext import CreateCableForceSensor, ExplicitStepper, SceneError, SolveExplicit
 from exudyn_inext.run.steered import Steered
 from reference_models.model import quiet_settings
 from tests.exudyn_binding.items import SECTION, either_cable, solve_native
@@ -49,9 +50,9 @@ class Driven:
             inertia=InertiaCuboid(density=1000, sideLengths=[0.1, 0.1, 0.1]), gravity=GRAVITY, create2D=True
         )
         line = {"positionStart": [0, 0, 0], "positionEnd": [0, -1, 0], "numberOfElements": 3}
-        nodes, _ = either_cable(mbs, native, 2, SECTION, 8e4, gravity=GRAVITY, **line)
+        nodes, self.cable = either_cable(mbs, native, 2, SECTION, 8e4, gravity=GRAVITY, **line)
         ends = MarkerBodyPosition(bodyNumber=self.body), MarkerNodePosition(nodeNumber=nodes[0])
-        self._join(SphericalJoint, ends, constrainedAxes=[1, 1, 0])
+        self.hinge = self._join(SphericalJoint, ends, constrainedAxes=[1, 1, 0])
         kind = exudyn.OutputVariableType.Acceleration
         self.acceleration = mbs.AddSensor(
             SensorBody(bodyNumber=self.body, outputVariableType=kind, storeInternal=True)
@@ -190,7 +191,7 @@ class Carriage:
             create2D=dim == 2,
         )
         line = {"positionStart": [0, 0, 0], "positionEnd": [0, -1, 0], "numberOfElements": 3}
-        nodes, _ = either_cable(mbs, False, dim, SECTION, 8e4, gravity=GRAVITY, **line)
+        nodes, self.cable = either_cable(mbs, False, dim, SECTION, 8e4, gravity=GRAVITY, **line)
         markers = [MarkerBodyPosition(bodyNumber=body), MarkerNodePosition(nodeNumber=nodes[0])]
         axes = [1, 1, dim - 2]
         mbs.AddObject(SphericalJoint(markerNumbers=list(map(mbs.AddMarker, markers)), constrainedAxes=axes))
@@ -219,6 +220,25 @@ class Carriage:
 
         mbs.SetPreStepUserFunction(step)
         mbs.Assemble()
+
+
+def test_sections_feel_how_step_functions_move_joints(mbs):
+    """At the end of a cable, the tension is the force of the joint there, along the slope."""
+    scene = Driven(mbs, False)
+    _, drive = by_a_length(scene)
+    kind, node = exudyn.OutputVariableType, scene.cable["nodes"][0]
+    force = {"outputVariableType": kind.Force, "storeInternal": True}
+    shape = {"outputVariableType": kind.Coordinates, "storeInternal": True}
+    of_joint = mbs.AddSensor(SensorObject(objectNumber=scene.hinge, **force))
+    of_node = mbs.AddSensor(SensorNode(nodeNumber=node, **shape))
+    of_section = CreateCableForceSensor(mbs, scene.cable, 0.0)
+    mbs.SetPreStepUserFunction(lambda mbs, t: drive(t) or True)
+    mbs.Assemble()
+    SolveExplicit(mbs, quiet_settings(END, STEPS))
+    slope = mbs.GetSensorStoredData(of_node)[1:, 3:5] + [0.0, -1.0]
+    along = np.sum(mbs.GetSensorStoredData(of_joint)[1:, 1:3] * slope, axis=1)
+    tension = mbs.GetSensorStoredData(of_section)[1:, 1]
+    np.testing.assert_allclose(np.abs(along), np.abs(tension), rtol=0.0, atol=1e-8 * np.abs(along).max())
 
 
 def smoothly(scene, t):
