@@ -54,7 +54,8 @@ RETURNED = 3.0  # |v| t over the extent of a motion that has come back
 SMALL = 1e-5  # error of places, over the length of the cable, that counts for nothing
 OF_EXTENT = 0.01  # of a part among others, that its error is compared with
 MOST_PHASE = 2.0  # error of a vibration's place, over its amplitude
-WAITING = 0.5  # share of the run after which neither counts any more
+WAITING = 0.25  # share of the run after which neither counts any more
+ONE_WAY = 0.5  # share after which it is judged, though it has not come back
 TOO_LATE = 0.8  # share of the run after which shorter steps mend too little of an error already made
 SHARE_OF_EXTENT = 0.3  # so that a phase error of 0.003 is one of 1 % of the extent
 SHARE_OF_POWER = 0.02  # that its sum over time may be wrong by
@@ -372,7 +373,8 @@ def _is_too_fast(watch, steps, duration):
     if watch.mesh[1] > 0.0 and turned < SAMPLED and steps * account.time < account.ahead * turned * duration:
         account.ahead = max(watch.least, int(steps * account.time / (turned * duration)))
     is_much = account.phase * passed > watch.phase * watch.duration
-    is_late = account.time > WAITING * watch.duration or watch.mesh[1] > 0.0
+    waiting = ONE_WAY if account.extent > 0.0 else WAITING
+    is_late = account.time > waiting * watch.duration or watch.mesh[1] > 0.0
     is_known = turned > BEGINNING and (is_late or (turned > LONG and has_returned))
     pays = account.extent == 0.0 or account.time < TOO_LATE * watch.duration
     return is_known and is_much and matters and pays and account.over_mesh > 1.0
