@@ -96,7 +96,7 @@ def _step(potential: StaticSystem, q: Array, multipliers: Array) -> _Step:
 
 def _models(potential: StaticSystem, q: Array, multipliers: Array) -> Iterator[SparseArray]:
     """The Hessian, then what is more and more convex."""
-    exact = potential.hessian(q, multipliers)
+    exact = potential.hessian(q, multipliers, is_rough=True)
     yield exact
     for factor in SHIFTS:
         yield exact + factor * potential.shift * potential.mass

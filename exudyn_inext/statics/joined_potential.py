@@ -68,6 +68,7 @@ def _round(places: list[int], reached: list[list[int]]) -> Round:
 
 
 STEP = 1e-6  # of differences [m, -]
+ROUGH_STEP = 1e-8  # of one-sided ones, near the root of round-off [m, -]
 SHARE = 1e-9  # of the usual shift, by which all Hessians are made regular: bodies may be free to turn
 INDIFFERENT = -1e-6  # eigenvalue, relative to the usual shift
 OF_WAYS = 0.2  # turn as which a way of a body counts that is as long as a cable [-]
@@ -191,7 +192,7 @@ class JoinedPotential(StaticSystem):
         of_cables = (cable.strain_rows(own) for cable, own in self._parts(q))
         return block_diagonal([*of_cables, *self._no_rows_of_bodies])
 
-    def hessian(self, q: Array, multipliers: Array) -> SparseArray:
+    def hessian(self, q: Array, multipliers: Array, is_rough: bool = False) -> SparseArray:
         """See `StaticSystem`; slightly regular."""
         own = self._multipliers(multipliers)
         blocks = [cable.hessian(at, lam) for (cable, at), lam in zip(self._parts(q), own, strict=True)]
@@ -202,19 +203,25 @@ class JoinedPotential(StaticSystem):
         if len(places):
             of_norms = np.repeat(multipliers[first : first + len(places)], 4)
             total += scipy.sparse.csr_array((of_norms, (places.ravel(), places.ravel())), total.shape)
-        self.of_others = self._of_others(q, multipliers[first + len(places) :])
+        self.of_others = self._of_others(q, multipliers[first + len(places) :], is_rough)
         total += self.of_others
         return scipy.sparse.csr_array(total + SHARE * self.shift * self.mass)
 
-    def _of_others(self, q: Array, nu: Array) -> SparseArray:
-        """Derivatives of G, by central differences; those of forces on bodies along cables by symmetry."""
+    def _of_others(self, q: Array, nu: Array, is_rough: bool) -> SparseArray:
+        """Derivatives of G, by differences; those of forces on bodies along cables by symmetry.
+
+        is_rough: the differences are one-sided, which takes half of the time, and does for a step.
+        """
+        ahead, back = (ROUGH_STEP, 0.0) if is_rough else (STEP, STEP)
         values = [np.zeros(0)]
+        at_q = self._out_of_balance(q, nu) if is_rough and self._rounds else None
         for one in self._rounds:
             moved = q.copy()
-            moved[one.places] += STEP
-            after = self._out_of_balance(moved, nu)
-            moved[one.places] -= 2.0 * STEP
-            values.append((after - self._out_of_balance(moved, nu))[one.rows] / (2.0 * STEP))
+            moved[one.places] += ahead
+            change = self._out_of_balance(moved, nu)
+            moved[one.places] -= ahead + back
+            change -= self._out_of_balance(moved, nu) if at_q is None else at_q
+            values.append(change[one.rows] / (ahead + back))
         none = np.zeros(0, np.int64)
         rows = np.concatenate([none, *(one.rows for one in self._rounds)])
         columns = np.concatenate([none, *(one.columns for one in self._rounds)])

@@ -137,7 +137,7 @@ class Potential(StaticSystem):
         """There are none."""
         return scipy.sparse.csr_array((0, q.size))
 
-    def hessian(self, q: Array, multipliers: Array) -> SparseArray:
+    def hessian(self, q: Array, multipliers: Array, is_rough: bool = False) -> SparseArray:
         """Of the Lagrangian."""
         return scipy.sparse.csr_array(self.elastic_tangent(q) + self.constraints.hessian(multipliers))
 

@@ -38,23 +38,27 @@ def smallest_eigenvalue(about: SmallMotions) -> tuple[float, Array]:
     values = vectors = np.zeros((0, 0))
     for row in range(rows):
         for _ in range(2):
-            vector = vector - basis[:row].T @ (images[:row] @ vector)
+            shares = np.einsum("ri,i->r", images[:row], vector)  # BLAS would keep other cores awake
+            vector = vector - np.einsum("ri,r->i", basis[:row], shares)
         image = potential.mass @ vector
         norm = np.sqrt(vector @ image)
         basis[row], images[row] = vector / norm, image / norm
         vector, _ = solve(inverse, images[row], zero)
-        reduced[row, : row + 1] = images[: row + 1] @ vector
+        reduced[row, : row + 1] = np.einsum("ri,i->r", images[: row + 1], vector)
         if row == rows - 1 or row % BETWEEN == BETWEEN - 1:
             before, (values, vectors) = values, scipy.linalg.eigh(reduced[: row + 1, : row + 1], lower=True)
             if len(before) and _are_settled(before, values):
                 break
-    modes = vectors.T @ basis[: len(values)]
+
+    def mode(k: int) -> Array:
+        return np.einsum("r,ri->i", vectors[:, k], basis[: len(values)])
+
     negative = np.flatnonzero(values < -NEGLIGIBLE * abs(values).max())
     unstable = negative[values[negative] * potential.indifferent < 1.0]
     for k in (*unstable, *negative[:1]):  # round-off of a free turn, nearest to zero, hides no other one
-        if modes[k] @ (hessian @ modes[k]) < 0.0:
-            return float(1.0 / values[k]), modes[k]
-    return float(1.0 / values[-1]), modes[-1]
+        if (found := mode(k)) @ (hessian @ found) < 0.0:
+            return float(1.0 / values[k]), found
+    return float(1.0 / values[-1]), mode(-1)
 
 
 def round_off(about: SmallMotions) -> float:

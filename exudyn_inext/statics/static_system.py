@@ -69,8 +69,8 @@ class StaticSystem(Protocol):
     def strain_rows(self, q: Array) -> SparseArray:
         """(k, n) derivatives of `strains`."""
 
-    def hessian(self, q: Array, multipliers: Array) -> SparseArray:
-        """(n, n) of the Lagrangian."""
+    def hessian(self, q: Array, multipliers: Array, is_rough: bool = False) -> SparseArray:
+        """(n, n) of the Lagrangian.   is_rough: where it is found by differences, these are one-sided."""
 
     def convex_model(self, multipliers: Array, shift: float) -> SparseArray:
         """(n, n) positive definite, near to the Hessian but for what other items add to it."""

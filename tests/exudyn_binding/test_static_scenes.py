@@ -42,6 +42,7 @@ from exudyn_inext import (
     StaticSettings,
 )
 from exudyn_inext.element.shape_functions import shape_functions
+from exudyn_inext.exudyn_binding.static_solver import scene_at_rest, scene_of
 from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import either_cable
 from tests.items.attach.contact import Circle, add_frictionless_contact, add_general_contact
@@ -299,6 +300,22 @@ def test_native_twins_stay_where_it_ends(scene):
     for own, theirs in pairs_of_nodes(ours, native):
         dim = ours.dimension
         np.testing.assert_allclose(found[own][:dim], expected[theirs][:dim], atol=SIZE)
+
+
+def test_the_hessian_of_a_step_takes_half_of_the_evaluations(monkeypatch):
+    """It agrees with the one by central differences, which eigenvalues are found from."""
+    mbs, hessians, numbers, calls = built("moment").mbs, [], [], []
+    with scene_of(mbs, 0.0, "") as scene, scene_at_rest(mbs, scene, 0.0) as found:
+        force = found.others.force
+        monkeypatch.setattr(found.others, "force", lambda q: calls.append(q) or force(q))
+        q, multipliers = found.start, np.zeros(len(found.potential.values(found.start)))
+        for is_rough in (False, True):
+            hessians.append(found.potential.hessian(q, multipliers, is_rough).toarray())
+            numbers.append(len(calls))
+    exact, rough = hessians
+    assert numbers[1] - numbers[0] == numbers[0] // 2 + 1
+    np.testing.assert_allclose(rough, exact, atol=1e-5 * np.abs(found.potential.of_others).max())
+    assert np.abs(found.potential.of_others).max() > 0.1
 
 
 @pytest.mark.parametrize("scene", SCENES)
