@@ -28,6 +28,7 @@ from ..run.redundancy import held_straight
 from ..scene.model import CableInScene, Scene, put_reactions
 from ..scene.redundant_rows import PIVOT_TOLERANCE, not_independent, shares_of_pivots
 from ..statics import (
+    GROWS,
     Equilibrium,
     JoinedPotential,
     Potential,
@@ -37,6 +38,7 @@ from ..statics import (
     potentials_of,
     support_forces,
 )
+from ..statics.small_motions import small_motions
 from .fold_check import fold_of
 from .mbs_state import at_start
 from .reports import StaticReport
@@ -49,8 +51,14 @@ from .unseen_outputs import warn_of_unseen_outputs
 
 REACH_TOLERANCE = 1e-9
 TAUT = 1.0 - 1e-6  # distance of supports over the reach of the cable between them
+SKEW = 0.01  # part of the stiffness of other items, of loads without a potential [-]
 NEARLY = 1.5  # times the shortest |r_x|
 NO_TENSION = "where no tension holds it against forces across: give it its axialStiffness, or let it sag"
+NO_POTENTIAL = (
+    "put constant forces in the place of bodyFixed ones, of torques in space and of functions that look at "
+    "the state, or let SolveExplicit move it: dampers between its nodes and the ground "
+    "(CartesianSpringDamper), if they are strong enough, bring it to rest"
+)
 REACH = "bring what holds the cables within their reach"
 
 
@@ -159,15 +167,15 @@ def SolveEquilibrium(
         natural frequency), each the worst of all cables, and 'cables' (the same for each one, with its
         'coordinates'); among bodies and joints the figures are those of the whole scene. A body that is free
         to turn about an axis has an eigenvalue of zero there, within round-off. Of loads without a potential,
-        as bodyFixed ones, 'smallestEigenvalue' contains the symmetric part alone; ComputeEigenvalues refuses
-        them where they matter.
+        as bodyFixed ones, 'smallestEigenvalue' contains the symmetric part alone, unless that is negative;
+        ComputeEigenvalues refuses them where they matter.
 
     Raises:
         InputError: arguments of another kind, or more than one load step among bodies, springs and joints.
         SceneError: mbs cannot be assembled, or shall not, contains what is not supported, supports farther
             apart than the cable between them is long, or something that nothing connects to the ground.
-        EquilibriumError: no stable equilibrium within reach; mbs is unchanged, the error's `report` has
-            the figures and the last coordinates.
+        EquilibriumError: no stable equilibrium within reach, or small vibrations grow there; mbs is
+            unchanged, the error's `report` has the figures and the last coordinates.
 
     Example:
         SolveEquilibrium(mbs)
@@ -323,6 +331,7 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
             there = [f"cable '{one.name}'" for one, dofs in places if dofs.start <= largest < dofs.stop]
             taut = [one for one in held_straight(joined, q, 1.0 - TAUT) if one in there]
             redundant = _redundant(potential, q, joined.native_items.joints)
+            redundant = redundant or _without_potential(potential, equilibrium)
     multipliers = potential.multipliers_of_cables(equilibrium.multipliers)
     of_cables = [
         replace(equilibrium, q=q[dofs].reshape(cable.cable.reference.shape))
@@ -353,6 +362,14 @@ def _redundant(potential: JoinedPotential, q: Array, joints: Sequence[str]) -> s
     pivots = shares_of_pivots((jacobian @ jacobian.T).toarray())[-len(joints) or len(q) :]
     found = [name for name, pivot in zip(joints, pivots, strict=True) if pivot <= PIVOT_TOLERANCE]
     return str(not_independent(found)).rstrip(".") if found else ""
+
+
+def _without_potential(potential: JoinedPotential, found: Equilibrium) -> str:
+    """What helps where other items have no symmetric stiffness; empty if they have."""
+    skew = small_motions(potential, found.q, found.multipliers).skew
+    others = potential.of_others
+    is_skew = others is not None and abs(skew).max() > SKEW * abs(others).max()
+    return NO_POTENTIAL if is_skew else ""
 
 
 def _put_reactions(cable: CableInScene, q: Array, multipliers: Array, time: float, reactions: Array) -> None:
@@ -443,7 +460,8 @@ def _failure(
         straight between what holds their ends.   redundant: what is said of joints that depend on others.
     """
     pairs = list(cables)
-    hints = list(filter(None, (hint(cable, own.q, time) for cable, own in pairs)))
+    hints = [NO_POTENTIAL] if equilibrium.message == GROWS else []
+    hints += filter(None, (hint(cable, own.q, time) for cable, own in pairs))
     hints += [f"{one} is straight between what holds its ends, {NO_TENSION}" for one in taut]
     hints += [redundant] if redundant else []
     is_met = np.isfinite(equilibrium.residual)

@@ -17,8 +17,8 @@ import numpy as np
 from ..arrays import Array, SparseArray
 from .feasible import cautious, feasible, followed, straight
 from .saddle_point import factorise, solve
-from .small_motions import small_motions
-from .stability import round_off, smallest_eigenvalue
+from .small_motions import SmallMotions, small_motions
+from .stability import eigenvalue_without_potential, round_off, smallest_eigenvalue
 from .static_system import StaticSystem
 
 LARGEST_EXCURSION = 100.0  # of a coordinate from its start, in lengths of the longest cable
@@ -26,6 +26,7 @@ RESOLUTION = 1e-10  # gain of energy that round-off hides, relative
 SHIFTS = (1e-4, 1e-3, 0.01, 0.1, 1.0, 10.0)  # of an indefinite Hessian, in units of the loads' own [-]
 ESCAPES = (0.1, 0.01, 1e-3, 1e-4)  # turns of slopes and bodies beside an unstable equilibrium [-]
 SHORT = 0.1  # of a step, which a softer model asks for: a more convex one knows better
+GROWS = "all forces are balanced, but loads without a potential make small vibrations grow"
 _ARMIJO = 1e-4
 
 
@@ -143,6 +144,7 @@ def find_equilibrium(potential: StaticSystem, start: Array, options: StaticOptio
         message = "the constraints cannot be met"
         return Equilibrium(q, multipliers, False, message, np.inf, violation, 0, np.nan)
     limit = options.tolerance * potential.largest_load
+    balanced = max(1e3 * limit, potential.round_off)
     message, eigenvalue, residual = "", np.nan, np.inf
     iterations, about = 0, None
     while iterations < options.iterations:
@@ -156,21 +158,29 @@ def find_equilibrium(potential: StaticSystem, start: Array, options: StaticOptio
             following = _line_search(potential, q, direction, slope, options.feasibility)
         if following is None:
             about = small_motions(potential, q, multipliers)
-            eigenvalue, worst = smallest_eigenvalue(about)
-            following = _escape(potential, q, worst, eigenvalue, options)
+            eigenvalue, worst, message = _stability(about, residual <= balanced)
+            following = None if message else _escape(potential, q, worst, eigenvalue, options)
         if following is None:
             break
         q = following
         if potential.excursion(q - first) > LARGEST_EXCURSION * potential.length:
             message = "it runs away: its loads are not balanced by anything that holds it"
             break
-    is_balanced = residual <= max(1e3 * limit, potential.round_off)
     is_stable = eigenvalue > potential.indifferent or (about and eigenvalue > -round_off(about))
-    converged = bool(is_balanced and is_stable and not message)
+    converged = bool(residual <= balanced and is_stable and not message)
     if not converged and not message:
         message = "no stable equilibrium within reach"
     violation = float(np.abs(potential.values(q)).max(initial=0.0))
     return Equilibrium(q, multipliers, converged, message, residual, violation, iterations, eigenvalue)
+
+
+def _stability(about: SmallMotions, is_balanced: bool) -> tuple[float, Array, str]:
+    """The smallest eigenvalue, its vector, and why no search goes on from here; empty if one may."""
+    eigenvalue, worst = smallest_eigenvalue(about)
+    if not is_balanced or not eigenvalue < about.system.indifferent:
+        return eigenvalue, worst, ""
+    true = eigenvalue_without_potential(about, eigenvalue)
+    return (eigenvalue, worst, GROWS) if true.imag else (true.real, worst, "")
 
 
 def _escape(

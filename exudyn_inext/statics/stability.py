@@ -13,6 +13,8 @@ SETTLED = 1e-12  # change of the inverse eigenvalues, relative to the largest on
 ROUND_OFF = 2e-12  # of a stiffness, relative
 OF_FORCES = 1e-9  # of one that is found by differences, relative to the loads [1/m, m]
 SMALL = 0.01  # eigenvalue, in units of the loads' own [-]
+LOWEST = 10  # eigenvalues, among which two may have come together
+TOGETHER = 1e-3  # imaginary part of an eigenvalue that is no round-off, relative to it and to the shift
 NEGLIGIBLE = 1e-10  # of the inverse eigenvalues: round-off of those that are infinite
 
 
@@ -22,7 +24,7 @@ def smallest_eigenvalue(about: SmallMotions) -> tuple[float, Array]:
     Lanczos iteration with the inverse, orthogonalised: if some eigenvalues are negative, the one nearest
     to zero of those that are no round-off of something indifferent.
     """
-    potential, q, _, hessian, jacobian = about
+    potential, q, _, hessian, jacobian, _ = about
     rows = min(LANCZOS_STEPS, q.size - jacobian.shape[0])
     if rows < 1:
         return np.inf, np.zeros(q.size)
@@ -59,6 +61,31 @@ def smallest_eigenvalue(about: SmallMotions) -> tuple[float, Array]:
         if (found := mode(k)) @ (hessian @ found) < 0.0:
             return float(1.0 / values[k]), found
     return float(1.0 / values[-1]), mode(-1)
+
+
+def eigenvalue_without_potential(about: SmallMotions, lowest: float) -> complex:
+    """Of the whole Hessian, with its skew part: the lowest real one, or one that is not real [1/s^2].
+
+    Small motions grow if it is not real: the skew part feeds two vibrations, which have come together.
+    lowest: of the symmetric part; the result if nobody knows better. No real one is lower.
+    """
+    system, jacobian = about.system, about.jacobian
+    size, number = about.q.size, min(LOWEST, about.q.size - jacobian.shape[0] - 2)
+    if number < 1 or not abs(about.skew).max() > 0.0:
+        return complex(lowest)
+    zero, start = np.zeros(jacobian.shape[0]), np.random.default_rng(1).standard_normal(size)
+    try:
+        factor = factorise(about.hessian + about.skew, jacobian, system.order)
+        inverse = scipy.sparse.linalg.LinearOperator(
+            (size, size), lambda x: solve(factor, system.mass @ x, zero)[0]
+        )
+        found = 1.0 / scipy.sparse.linalg.eigs(inverse, number, v0=inverse @ start, return_eigenvectors=False)
+    except RuntimeError:  # singular, or not found
+        return complex(lowest)
+    pairs = found[np.abs(found.imag) > TOGETHER * np.maximum(np.abs(found), system.shift)]
+    if len(pairs):
+        return complex(pairs[np.argmin(pairs.real)])
+    return complex(found.real.min() if abs(found).max() > abs(lowest) else lowest)
 
 
 def round_off(about: SmallMotions) -> float:

@@ -503,6 +503,25 @@ def test_sensors_show_the_forces_of_joints():
     np.testing.assert_allclose(mass * 9.81, weight)
 
 
+def test_a_force_that_turns_with_the_end_and_makes_it_flutter_is_refused_at_once():
+    """By the remedy it is found; a weak one has a rest, too."""
+
+    def search(share, body_fixed=True):
+        b = Builder(dimension=2)
+        nodes = b.cable([0, 0, 0], [1, 0, 0], clamped=["Start"])
+        end = b.mbs.AddMarker(MarkerNodeRigid(nodeNumber=nodes[-1]))
+        force = [0.0, share * MASS * 9.81, 0.0]
+        b.mbs.AddLoad(LoadForceVector(markerNumber=end, loadVector=force, bodyFixed=body_fixed))
+        b.mbs.Assemble()
+        return SolveEquilibrium(b.mbs)
+
+    assert search(0.3)["smallestEigenvalue"] > 0.0
+    with pytest.raises(EquilibriumError, match=r"vibrations grow .*put constant forces") as found:
+        search(1.5)
+    assert found.value.report["iterations"] < 60
+    assert search(1.5, body_fixed=False)["success"]
+
+
 def test_it_holds_after_a_new_assembly_and_an_equilibrium_needs_no_search():
     builder = built("platform")
     SolveEquilibrium(builder.mbs)
