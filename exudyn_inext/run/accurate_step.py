@@ -24,7 +24,7 @@ from ..cable.cable import Cable
 from ..system import ELASTIC, REPORTED, report_energy
 from .cable_run import CableRun
 from .coupled_run import Run
-from .watch import NO_MESH, SMALL
+from .watch import SMALL
 
 STEPS_BY_ELEMENT = 20.0  # while a wave passes it
 STEPS_BY_AXIAL_WAVE = 4.0  # while it passes an element: more resolve what the mesh does not
@@ -80,15 +80,13 @@ def resolution_of_mesh(run: Run, time: float, theta: float) -> Array:
     """(4,) by which the errors of step and mesh in waves of a cable are known, see `watch`.
 
     c^2 [m^2/s^2], s^2 = EI / rho_A [m^4/s^2], the length l of elements [m], and theta [-].
-    Cables that stretch have other waves, too: of these, and among bodies, only the shortest useful step, and
-    theta of a cable alone.
+    Cables that stretch have other waves, too, and bodies: of these, only the shortest step that serves
+    stretch, squared [s^2], or 0, and theta.
     """
     stretching = [cable for cable in run.cables if cable.stretches]
-    if stretching:
-        alone = theta if isinstance(run, CableRun) else 0.0
-        return np.array([min(map(step_of_axial_waves, stretching)) ** 2, 0.0, 0.0, alone])
-    if not isinstance(run, CableRun):
-        return NO_MESH
+    if stretching or not isinstance(run, CableRun):
+        shortest = min(map(step_of_axial_waves, stretching), default=0.0)
+        return np.array([shortest**2, 0.0, 0.0, theta])
     cable = run.scene_cable.cable
     section = cable.section
     stiffness = section.bending_stiffness / section.mass_per_length

@@ -214,8 +214,7 @@ def _bounds_and_scaling(
     explicit = replace(explicit, massScaling=theta)
     for run in runs:
         mesh = resolution_of_mesh(run, start, theta)
-        phase = PHASE if isinstance(run, CableRun) else _phase_among_bodies(theta)
-        run.watch.limit_phase(min(duration, MOST_DURATION), phase, mesh, small_error(run))
+        run.watch.limit_phase(min(duration, MOST_DURATION), PHASE, mesh, small_error(run))
     return _scaled_bounds(runs, start, explicit, accuracy), explicit
 
 
@@ -268,14 +267,6 @@ def _step_of_states(run: Run, start: float) -> float:
         return math.inf
     run.largest_frequency(start)
     return OF_STATES / run.frequency_of_states if run.frequency_of_states > 0.0 else math.inf
-
-
-def _phase_among_bodies(theta: float) -> float:
-    """What the watch allows [rad]: scaled masses make bending waves slower by (theta - 1/12) (h w)^2 / 2.
-
-    It counts (h w)^2 / 24; that of a cable alone knows better, see `_errors_of_waves`.
-    """
-    return PHASE / max(12.0 * theta - 1.0, 1.0)
 
 
 def _for_its_own_mass(wanted: float, step: float, theta: float, bounds: StepSizeBounds) -> float:

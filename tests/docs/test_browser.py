@@ -38,7 +38,7 @@ def why_not():
     index = BUILT / "index.html"
     if not index.exists():
         return "the pages are not built: python -m sphinx -b html docs build/docs"
-    sources = [path for folder in (DOCS, DOCS / "static") for path in folder.glob("*.*")]
+    sources = [path for folder in (DOCS, DOCS / "static") for path in folder.glob("*.*") if path.is_file()]
     if max(path.stat().st_mtime for path in sources) > index.stat().st_mtime:
         return "the pages that are built are older than their sources"
     return ""
