@@ -213,7 +213,7 @@ class PacedRun:
             elif self.control.divisor == divisor:  # `take` has not asked for shorter steps
                 if piece.intervals > 1 and not (self.looks_ahead or self.may_begin_again):
                     break  # functions are asked in each interval, which are taken one by one now
-                is_spoilt = self.reject(piece.time(taken), bool(beginning)) and self.watch.is_spoilt
+                is_spoilt = self.reject(piece.time(taken), bool(beginning))
                 if self.gave_up and beginning and self._resolve_stretch(grid.h):
                     self.gave_up, is_spoilt = False, True
             if is_spoilt and beginning:

@@ -28,7 +28,6 @@ from .watch import (
 )
 
 SLOW = 16.0  # times the phase error: what it is with twice the step, and a margin of 4
-SPOILT = 2.0  # error so far, relative to what the whole run may have
 
 
 class RunWatch:
@@ -143,17 +142,6 @@ class RunWatch:
     def expect_double_step(self) -> None:
         """The motion so far has this phase error at steps twice as long."""
         self.watch.account["phase"][NOW] *= 4.0
-
-    @property
-    def is_spoilt(self) -> bool:
-        """Whether steps that were too long have made more of an error than a run may have.
-
-        Or hide axial vibrations, which shorter ones would set free.
-        """
-        watch, found = self.watch, self.watch.account[FAILED]
-        passed = found.time if found.extent else watch.duration
-        is_much = found.phase * passed > SPOILT * watch.phase * watch.duration
-        return bool(found.trouble != TOO_FAST or is_much or self.stretches or not found.extent)
 
     @contextmanager
     def finding_kept(self) -> Iterator[None]:

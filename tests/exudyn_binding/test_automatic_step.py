@@ -184,13 +184,11 @@ def test_vibrations_of_cables_among_bodies_are_resolved(weighed_cantilever):
 
 
 @pytest.mark.parametrize(
-    ("stiffness", "has_mass", "share"), [(None, False, 0.01), (1e5, False, 0.01), (1e5, True, 0.02)]
+    ("stiffness", "has_mass", "share"),
+    [(None, False, 0.01), (None, True, 0.02), (1e5, False, 0.01), (1e5, True, 0.02)],
 )
 def test_long_vibrations_keep_their_phase(swing, weighed_cantilever, stiffness, has_mass, share):
-    """40 periods of a cantilever that falls, with a light mass at its end, or without; axial stiffness [N].
-
-    Where parts are judged, a run goes on that has made up to twice the error.
-    """
+    """40 periods of a cantilever that falls, with a light mass at its end or without; axial stiffness [N]."""
     section = InextensibleCable(massPerLength=0.1, bendingStiffness=2.0, axialStiffness=stiffness)
     end = 40 * 2.0 * np.pi / 3.516 * np.sqrt(0.1 / 2.0)
     given = (section, 4, end, 0.01) if has_mass else (section, 4, CLAMPED, end)
