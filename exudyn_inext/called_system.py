@@ -14,6 +14,7 @@ import numpy as np
 
 from .compiled import c_function, inlined, inlined_kernel, kernel
 from .lowered import (
+    COUNT,
     REAL,
     VECTOR,
     CompiledPart,
@@ -27,12 +28,17 @@ from .lowered import (
     taken_apart,
     words_of,
 )
-from .system import accelerate_and_project, correct_position, index_reduced_rates, report_energy
+from .system import (
+    accelerate,
+    accelerate_and_project,
+    correct_position,
+    index_reduced_rates,
+    report_energy,
+)
 
 MOST_PROTOCOLS = 12
 PLACES = (  # in tables; compiled code holds them: they must not depend on what is imported first
-    "index_reduced_rates",
-    "accelerate_and_project",
+    "accelerate",
     "correct_position",
     "report_energy",
     "respond",
@@ -118,7 +124,7 @@ def implements(
     """
 
     def register(function: Any) -> Any:
-        if compiled or protocol not in _ENTRIES:
+        if compiled or _SERVED.get(protocol, protocol) not in _ENTRIES:
             implementation = (compiled or kernel)(function)
         else:
             implementation = inlined(function)
@@ -208,10 +214,11 @@ def provide(functions: np.ndarray, system: Any, *protocols: Any) -> None:
 
 
 def _fill(functions: np.ndarray, system: Any, structure: Structure, protocols: Sequence[Any]) -> None:
-    for protocol in protocols:
-        place = _ENTRIES[protocol].place
-        if not functions[place] and _is_implemented(system.__class__, protocol):
-            functions[place] = 1 if numba.config.DISABLE_JIT else _address(protocol, structure)
+    for one in protocols:
+        serving = _SERVED.get(one, one)
+        place = _ENTRIES[serving].place
+        if not functions[place] and _is_implemented(system.__class__, serving):
+            functions[place] = 1 if numba.config.DISABLE_JIT else _address(serving, structure)
 
 
 def keep_with(array: np.ndarray, *others: Any) -> None:
@@ -265,20 +272,38 @@ def call_protocol(system, place, arguments):
     return call_at(address, system.address, arguments)
 
 
-RATES = by_address(index_reduced_rates, *[VECTOR] * 5)
-ACCELERATION = by_address(accelerate_and_project, VECTOR, VECTOR, VECTOR, REAL, VECTOR, VECTOR)
+_SERVED = {index_reduced_rates: accelerate, accelerate_and_project: accelerate}
+ACCELERATION = by_address(accelerate, VECTOR, VECTOR, VECTOR, REAL, COUNT, VECTOR, VECTOR)
 CORRECTION = by_address(correct_position, VECTOR, VECTOR, REAL, REAL, VECTOR)
 REPORT_ENERGY = by_address(report_energy, *[VECTOR] * 6)
 
 
-@calls(index_reduced_rates)
-def rates_of_called(system, external, q, v, acceleration, rate):
-    call_protocol(system, RATES, (external, q, v, acceleration, rate))
+@calls(accelerate)
+def accelerate_called(system, external, q, v, duration, stabilises, acceleration, rate):
+    call_protocol(system, ACCELERATION, (external, q, v, duration, stabilises, acceleration, rate))
 
 
-@calls(accelerate_and_project)
-def accelerate_called(system, external, q, v, duration, acceleration, end_velocity):
-    call_protocol(system, ACCELERATION, (external, q, v, duration, acceleration, end_velocity))
+def _rates(system, external, q, v, acceleration, rate):
+    accelerate(system, external, q, v, 0.0, 1, acceleration, rate)
+
+
+def _accelerate_and_project(system, external, q, v, duration, acceleration, end_velocity):
+    accelerate(system, external, q, v, duration, 0, acceleration, end_velocity)
+
+
+calls(index_reduced_rates)(_rates)
+calls(accelerate_and_project)(_accelerate_and_project)
+
+
+def accelerates(*system_types: type) -> Callable[[Any], Any]:
+    """Register the decorated function as `accelerate`, and with it both protocols that it serves."""
+
+    def register(function: Any) -> Any:
+        implements(index_reduced_rates, *system_types)(_rates)
+        implements(accelerate_and_project, *system_types)(_accelerate_and_project)
+        return implements(accelerate, *system_types)(function)
+
+    return register
 
 
 @calls(correct_position)

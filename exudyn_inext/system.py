@@ -41,6 +41,14 @@ def accelerate_and_project(system, external, q, v, duration, acceleration, end_v
 
 
 @protocol
+def accelerate(system, external, q, v, duration, stabilises, acceleration, rate):
+    """Both of these, of systems that are called by address: they are compiled once for both.
+
+    stabilises: 1 for `index_reduced_rates`, with a duration of 0; 0 for `accelerate_and_project`.
+    """
+
+
+@protocol
 def correct_position(system, external, q, tolerance, learning, correction):
     """One step back to the constraint manifold along the last Jacobian: C_q d = -c(q).
 

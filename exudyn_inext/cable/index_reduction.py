@@ -105,19 +105,17 @@ def solve_both_of_cable(system, x, y):
 
 
 @inlined
-def set_stabilised_targets(zeta, record):
-    """Right-hand sides of the constraint rows of Eq. (29), from c, c_q v and gamma."""
-    terms = record.constraint
-    record.target[ACCELERATION] = terms[GAMMA] - zeta * terms[RATE]
-    record.target[CORRECTION] = -zeta * terms[VALUE] - terms[RATE]
+def set_targets(aim, record):
+    """Right-hand sides of the constraint rows of Eq. (29), from c, c_q v and gamma.
 
+    C_q a = gamma - zeta C_q v, and what the last step taught; C_q d = -zeta c - C_q (v + duration a).
 
-@inlined
-def set_projection_targets(duration, record):
-    """C_q a = gamma, corrected by the last step; C_q d = -C_q (v + duration a) leads to the manifold."""
+    aim: zeta [1/s], share of what was taught, duration [s].
+    """
+    zeta, learned, duration = aim
     terms = record.constraint
-    record.target[ACCELERATION] = terms[GAMMA] + record.drift_correction
-    record.target[CORRECTION] = -terms[RATE] - duration * record.target[ACCELERATION]
+    record.target[ACCELERATION] = terms[GAMMA] + learned * record.drift_correction - zeta * terms[RATE]
+    record.target[CORRECTION] = -zeta * terms[VALUE] - terms[RATE] - duration * record.target[ACCELERATION]
 
 
 @inlined

@@ -5,14 +5,12 @@ The external force is followed by the motions of the anchors: (n_dof + 3 dim M,)
 
 from typing import Any, NamedTuple
 
-from ..called_system import implements
+from ..called_system import accelerates, implements
 from ..compiled import inlined
 from ..system import (
     POWER,
     VIOLATION,
-    accelerate_and_project,
     correct_position,
-    index_reduced_rates,
     report_energy,
 )
 from .assembly import add_lagging_damping, improves_alone, leave_targets
@@ -30,8 +28,7 @@ from .index_reduction import (
     factorise_at,
     report_energy_of_chain,
     set_correction_target,
-    set_projection_targets,
-    set_stabilised_targets,
+    set_targets,
     solve_both,
     solve_one,
 )
@@ -155,27 +152,17 @@ def _solve(system, q, acceleration, change):
         solve_one(system, ACCELERATION, found)
 
 
-@implements(index_reduced_rates, CableSystem, LinkedCableSystem)
-def cable_rates(system, external, q, v, acceleration, rate):
-    """Eq. (30) with one factorisation for both columns. Arguments: see `index_reduced_rates`.
+@accelerates(CableSystem, LinkedCableSystem)
+def accelerate_cable(system, external, q, v, duration, stabilises, acceleration, rate):
+    """Eq. (29) with one factorisation for both columns. Arguments: see `accelerate`.
 
     q' is found as v plus a correction, M (q' - v) + C_q^T mu = 0: its force is zero.
     """
-    targets = set_stabilised_targets
-    assemble_and_factorise(system, external, q, v, 0.0, acceleration, targets, system.zeta)
+    aim = system.zeta if stabilises else 0.0, 1.0 - stabilises, duration
+    assemble_and_factorise(system, external, q, v, duration, acceleration, set_targets, aim)
     _solve(system, q, acceleration, rate)
     for i in range(len(v)):
-        rate[i] += v[i]
-
-
-@implements(accelerate_and_project, CableSystem, LinkedCableSystem)
-def accelerate_and_project_cable(system, external, q, v, duration, acceleration, end_velocity):
-    """One factorisation for both columns. Arguments: see `accelerate_and_project`."""
-    targets = set_projection_targets
-    assemble_and_factorise(system, external, q, v, duration, acceleration, targets, duration)
-    _solve(system, q, acceleration, end_velocity)
-    for i in range(len(v)):
-        end_velocity[i] += v[i] + duration * acceleration[i]
+        rate[i] += v[i] + duration * acceleration[i]
 
 
 @implements(correct_position, LinkedCableSystem)

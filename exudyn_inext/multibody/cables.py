@@ -21,7 +21,7 @@ from ..called_system import (
 )
 from ..compiled import inlined, protocol
 from ..lowered import COUNT, VECTOR
-from ..system import accelerate_and_project, correct_position, index_reduced_rates, report_energy
+from ..system import accelerate, accelerate_and_project, correct_position, report_energy
 from .nodes import copy_chain
 
 
@@ -75,25 +75,13 @@ def one_chain(cables, k):
 
 
 @inlined
-def rates_of_cables(cables, external, q, v, acceleration, rate):
-    """Arguments: see `index_reduced_rates`; arrays may be longer."""
+def accelerate_cables(cables, external, q, v, duration, stabilises, acceleration, rate):
+    """Arguments: see `accelerate`; arrays may be longer."""
     dofs, inputs = cables.dofs, cables.inputs
     for k in range(len(cables.functions)):
         i, j = dofs[k], dofs[k + 1]
-        force = external[inputs[k] : inputs[k + 1]]
-        index_reduced_rates(one_chain(cables, k), force, q[i:j], v[i:j], acceleration[i:j], rate[i:j])
-
-
-@inlined
-def accelerate_cables(cables, external, q, v, duration, acceleration, end_velocity):
-    """Arguments: see `accelerate_and_project`; arrays may be longer."""
-    dofs, inputs = cables.dofs, cables.inputs
-    for k in range(len(cables.functions)):
-        i, j = dofs[k], dofs[k + 1]
-        force = external[inputs[k] : inputs[k + 1]]
-        accelerate_and_project(
-            one_chain(cables, k), force, q[i:j], v[i:j], duration, acceleration[i:j], end_velocity[i:j]
-        )
+        given = external[inputs[k] : inputs[k + 1]], q[i:j], v[i:j], duration, stabilises
+        accelerate(one_chain(cables, k), *given, acceleration[i:j], rate[i:j])
 
 
 @inlined

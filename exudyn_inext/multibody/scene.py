@@ -9,7 +9,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..called_system import Called, by_address, call_protocol, calls, has_nothing, implements
+from ..called_system import (
+    Called,
+    accelerates,
+    by_address,
+    call_protocol,
+    calls,
+    has_nothing,
+    implements,
+)
 from ..compiled import called_kernel, inlined, inlined_kernel, kernel, protocol
 from ..integrators.integrator import LoadHistory, advance, external_force
 from ..lowered import COUNT, VECTOR
@@ -23,7 +31,6 @@ from ..system import (
     VIOLATION,
     accelerate_and_project,
     correct_position,
-    index_reduced_rates,
     report_energy,
 )
 from .bodies import (
@@ -45,7 +52,6 @@ from .cables import (
     correct_cables,
     improve_cables,
     one_chain,
-    rates_of_cables,
     respond_with_cables,
 )
 from .circle_contacts import Contacts, NoContacts, add_contacts, finish_contacts, recall_contacts
@@ -316,60 +322,55 @@ def press_circles_as_joined(contacts, system, acceleration, duration, end_veloci
 
 
 @inlined
-def _join_step(system, q, v, duration, acceleration, end_velocity):
-    """Accelerations and velocities at the end of a step, from those without joints."""
-    items = system.items
+def _join_step(system, q, v, duration, stabilises, acceleration, rate):
+    """Those with joints, from those without; arguments: see `accelerate`."""
+    items, zeta = system.items, system.zeta if stabilises else 0.0
     for i in range(len(q)):
         system.unjoined[i] = acceleration[i]
-    _accelerate_joined(system, q, v, 0.0, 1.0, acceleration, duration, end_velocity)
-    press_as_joined(items.contacts, system, acceleration, duration, end_velocity)
+    _accelerate_joined(system, q, v, zeta, 1.0 - stabilises, acceleration, duration, rate)
+    if not stabilises:
+        press_as_joined(items.contacts, system, acceleration, duration, rate)
     subtract_forces_of_dashpots(items.joints, items.force)
-    _join(items.joints, 0.0, 1.0, end_velocity, True)
+    _join(items.joints, zeta, 1.0, rate, True)
 
 
-@implements(index_reduced_rates, SceneSystem)
-def scene_rates(system, external, q, v, acceleration, rate):
-    """Eq. (30). Arguments: see `index_reduced_rates`."""
-    items, number, zeta = system.items, system.cable_dofs, system.zeta
-    act(items, external[len(system.cable_force) :], q, v, v)
-    _count_work(items, q)
-    _set_cable_force(system, external)
-    rates_of_cables(system.cables, system.cable_force, q, v, acceleration, rate)
-    for i in range(number, len(q)):
-        rate[i] = v[i]
-    accelerate_bodies(items, v, zeta, acceleration)
-    _project_bodies(items, v, zeta, rate)
-    if len(items.joints.rows) > 0:
-        _accelerate_joined(system, q, v, zeta, 0.0, acceleration, 0.0, rate)
-        subtract_forces_of_dashpots(items.joints, items.force)
-        _join(items.joints, zeta, 1.0, rate, True)
-
-
-@implements(accelerate_and_project, SceneSystem)
-def accelerate_and_project_scene(system, external, q, v, duration, acceleration, end_velocity):
-    items, number = system.items, system.cable_dofs
-    predicted, is_pressed = items.predicted, items.counting[MODE] == AS_PRESSED
-    for i in range(len(q)):
-        predicted[i] = v[i] + duration * acceleration[i]
-    act(items, external[len(system.cable_force) :], q, predicted, acceleration)
+@inlined
+def _accelerate_parts(system, external, q, v, duration, stabilises, acceleration, rate):
+    """Without joints, after `act`. Contacts of a step are those that act at the velocities to come."""
+    items = system.items
+    is_pressed = stabilises == 1 or items.counting[MODE] == AS_PRESSED
     for trial in range(TRIALS):
         _set_cable_force(system, external)
         if not is_pressed:
             press(items.contacts, system.cables, trial > 0 and duration > 0.0)
-        accelerate_cables(system.cables, system.cable_force, q, v, duration, acceleration, end_velocity)
+        accelerate_cables(system.cables, system.cable_force, q, v, duration, stabilises, acceleration, rate)
         is_last = is_pressed or trial == TRIALS - 1
         if is_last or not reconsider_contacts(items.contacts, items.points, acceleration, items.force):
             break
-        for i in range(number if duration > 0.0 else 0):
-            acceleration[i] = (predicted[i] - v[i]) / duration
-    complete_contacts(items.contacts, items.points, acceleration, items.force)
-    accelerate_bodies(items, v, 0.0, acceleration)
-    for i in range(number, len(q)):
-        end_velocity[i] = v[i] + duration * acceleration[i]
-    _project_bodies(items, end_velocity, 0.0, end_velocity)
+        for i in range(system.cable_dofs if duration > 0.0 else 0):
+            acceleration[i] = (items.predicted[i] - v[i]) / duration
+    if not stabilises:
+        complete_contacts(items.contacts, items.points, acceleration, items.force)
+
+
+@accelerates(SceneSystem)
+def accelerate_scene(system, external, q, v, duration, stabilises, acceleration, rate):
+    """Eq. (29), or (30) if it stabilises. Arguments: see `accelerate`."""
+    items, zeta = system.items, system.zeta if stabilises else 0.0
+    for i in range(len(q)):
+        items.predicted[i] = v[i] if stabilises else v[i] + duration * acceleration[i]
+    act(items, external[len(system.cable_force) :], q, items.predicted, acceleration)
+    if stabilises:
+        _count_work(items, q)
+    _accelerate_parts(system, external, q, v, duration, stabilises, acceleration, rate)
+    accelerate_bodies(items, v, zeta, acceleration)
+    for i in range(system.cable_dofs, len(q)):
+        rate[i] = v[i] + duration * acceleration[i]
+    _project_bodies(items, rate, zeta, rate)
     if len(items.joints.rows) > 0:
-        _join_step(system, q, v, duration, acceleration, end_velocity)
-    _count_work(items, q)
+        _join_step(system, q, v, duration, stabilises, acceleration, rate)
+    if not stabilises:
+        _count_work(items, q)
 
 
 @called_kernel

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 
 from exudyn_inext.cable.chain import build_chain
 from exudyn_inext.cable.index_reduction import CableSystem
-from exudyn_inext.called_system import implements
+from exudyn_inext.called_system import accelerates, implements
 from exudyn_inext.compiled import plain
 from exudyn_inext.errors import InputError
 from exudyn_inext.integrators import INTEGRATORS, find_integrator
@@ -41,18 +41,11 @@ class Pendulum(NamedTuple):
     squared_frequency: float
 
 
-@implements(index_reduced_rates, Pendulum)
-def pendulum_rates(system, external, q, v, acceleration, rate):
+@accelerates(Pendulum)
+def accelerate_pendulum(system, external, q, v, duration, stabilises, acceleration, rate):
     for i in range(len(q)):
         acceleration[i] = external[i] - system.squared_frequency * np.sin(q[i])
-        rate[i] = v[i]
-
-
-@implements(accelerate_and_project, Pendulum)
-def accelerate_pendulum(system, external, q, v, duration, acceleration, end_velocity):
-    for i in range(len(q)):
-        acceleration[i] = external[i] - system.squared_frequency * np.sin(q[i])
-        end_velocity[i] = v[i] + duration * acceleration[i]
+        rate[i] = v[i] + duration * acceleration[i]
 
 
 @implements(correct_position, Pendulum)
