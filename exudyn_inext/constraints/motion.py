@@ -63,7 +63,7 @@ def motion_of(
 
 def _given(function: Function, times: Sequence[float]) -> Array:
     """(T, 1, n) its values."""
-    return np.array([[_vector(function(t))] for t in times])
+    return np.array([function(t) for t in times], dtype=float).reshape(len(times), 1, -1)
 
 
 def _vector(value: Any) -> Array:
