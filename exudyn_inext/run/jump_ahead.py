@@ -8,8 +8,10 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ..arrays import Array
+from ..compiled import Prepared, kernel
 from ..constraints.motion import AT_ONCE, FASTEST, find_jump
 
+LEAST = FASTEST * AT_ONCE  # that jumps are [m, -]
 UNEVEN = 0.1  # share of the way of a step that is not that of its velocities, where a jump may be
 
 
@@ -32,7 +34,7 @@ class JumpSight:
     ) -> None:
         """sample: times (T,) [s] -> (T, P)."""
         self.places, self.rates = np.array(places, int), np.array(rates, int)
-        self._sample = sample
+        self._sample, self._find = sample, Prepared(_find_uneven)
         self._time, self._last = np.nan, np.zeros((1, 0))  # of the last sample
 
     def look(self, since: float, times: list[float], samples: Array) -> None:
@@ -45,15 +47,28 @@ class JumpSight:
             return
         last = self._last if since == self._time else self._sample([since])
         self._time, self._last = times[-1], samples[-1:]
-        values, times = np.concatenate([last, samples]), [since, *times]
-        ways, rates = np.diff(values[:, self.places], axis=0), values[:, self.rates]
-        h = np.diff(times)[:, np.newaxis]
-        before, after = h * rates[:-1], h * rates[1:]
-        missed, largest = np.abs(ways - 0.5 * (before + after)), np.maximum(np.abs(before), np.abs(after))
-        is_uneven = missed > UNEVEN * largest + FASTEST * AT_ONCE
-        for k in np.flatnonzero(is_uneven.any(axis=1)).tolist():
-            if find_jump(self._places_at, times[k], times[k + 1]):
-                raise JumpError(times[k], times[k + 1])
+        values, at = np.concatenate([last, samples]), np.array([since, *times])
+        k = self._find(values, at, self.places, self.rates, 0)
+        while k < len(times):
+            if find_jump(self._places_at, at[k], at[k + 1]):
+                raise JumpError(at[k], at[k + 1])
+            k = self._find(values, at, self.places, self.rates, k + 1)
 
     def _places_at(self, t: float) -> Array:
         return self._sample([t])[0, self.places]
+
+
+@kernel
+def _find_uneven(values, times, places, rates, first):
+    """The first interval of times (T + 1,), from that number on, that may have a jump; T if none has.
+
+    values: (T + 1, P) samples.   places, rates: (k,) columns of these.
+    """
+    for k in range(first, len(times) - 1):
+        half = 0.5 * (times[k + 1] - times[k])
+        for number in range(len(places)):
+            before, after = half * values[k, rates[number]], half * values[k + 1, rates[number]]
+            missed = abs(values[k + 1, places[number]] - values[k, places[number]] - before - after)
+            if missed > LEAST + 2.0 * UNEVEN * max(abs(before), abs(after)):
+                return k
+    return len(times) - 1
