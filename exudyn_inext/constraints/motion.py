@@ -16,6 +16,7 @@ _NOTICEABLE = 1e-6
 _PLACES = range(-2, 3)  # of values, in steps
 FASTEST = 1e3  # speed of supports and joints, beyond which they jump [m/s]
 AT_ONCE, MOST = 1e-9, 0.9  # duration of a jump [s], and share of it in the half of a duration that has it
+SHORT = 1e-3  # share of the duration that is looked at, which a jump takes at most
 _SOON = 1.0 / 64.0  # of a step, after which what begins has moved
 
 Function = Callable[[float], Any]
@@ -62,7 +63,7 @@ def motion_of(
 
 def _given(function: Function, times: Sequence[float]) -> Array:
     """(T, 1, n) its values."""
-    return np.array([[_vector(function(t))] for t in times])
+    return np.array([function(t) for t in times], dtype=float).reshape(len(times), 1, -1)
 
 
 def _vector(value: Any) -> Array:
@@ -176,7 +177,7 @@ class Jump(NamedTuple):
 
 
 def find_jump(values: Function, begin: float, end: float) -> Jump | None:
-    """The largest jump of values from `begin` to `end` [s], or None: what is slower than FASTEST is none.
+    """The largest jump of values from `begin` to `end` [s], or None: what takes some of that time is none.
 
     values: t [s] -> (n,) [m, rad].
     """
@@ -184,7 +185,8 @@ def find_jump(values: Function, begin: float, end: float) -> Jump | None:
     halves = np.abs([middle - low, high - middle])
     number = int(np.argmax(np.abs(halves[0] - halves[1])))
     low, high = low[number], high[number]
-    while end - begin > AT_ONCE:
+    longest = max(SHORT * (end - begin), AT_ONCE)
+    while end - begin > max(AT_ONCE, 2.0 * np.spacing(end)):
         middle = 0.5 * (begin + end)
         value = values(middle)[number]
         if abs(value - low) > MOST * abs(high - low):
@@ -194,7 +196,8 @@ def find_jump(values: Function, begin: float, end: float) -> Jump | None:
         else:
             break
     size = float(abs(high - low))
-    return Jump(number, end, size) if size > FASTEST * (end - begin) else None
+    is_short = end - begin <= longest
+    return Jump(number, end, size) if is_short and size > FASTEST * (end - begin) else None
 
 
 def require_smooth(motion: Motion, t: float, name: str) -> None:

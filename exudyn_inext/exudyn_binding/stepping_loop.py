@@ -85,7 +85,7 @@ class SteppingLoop(ExplicitTimeLoop):
         self.error, self._begins = None, True
         for run, initial in zip(self._built, self._initial, strict=True):
             initial.restore()
-            run.gave_up = False
+            run.try_again()
 
     def prepared(self, portion: Portion, observed: int) -> Callable[[Any, Any, Any], bool]:
         """The user function that takes the steps of a portion.   observed: derivatives in between."""

@@ -305,7 +305,7 @@ class ExplicitTimeLoop:
         self._remembered.clear()
         for run, kept in zip(self.runs, self._kept, strict=True):
             kept.restore()
-            run.gave_up = False
+            run.try_again()
             run.resume(self.grid.time(first))
 
     def _blocks_of_states(self) -> Iterator[Iterable[Any]]:
@@ -347,7 +347,8 @@ class ExplicitTimeLoop:
             is_known = any(run.known_cause(last_good) for run in self.runs if run.gave_up)
             left = f"{chosen}. {left}" if is_known else f"{chosen}: a stepSize has to be smaller. {left}"
         error = divergence(list(filter(None, verdicts)), time, left)
-        hiding = [run.watch.resolving_step for run in self.runs if run.gave_up and run.watch.hides_energy]
+        gave_up = [run for run in self.runs if run.gave_up and not run.jump]
+        hiding = [run.watch.resolving_step for run in gave_up if run.watch.hides_energy]
         resolving = max(hiding, default=0.0)
         if self.grid.h > resolving > 0.0:
             error.shorter_step = min(COARSEST * resolving, self.grid.h / FINER)

@@ -14,6 +14,7 @@ from ..integrators.integrator import LoadHistory
 from ..loads.nodal import ConstantForces, NodalLoad, out_of_plane
 from ..loads.weight import ConstantWeights, ElementWeight
 from ..scene.model import CableInScene, CableLoad
+from .jump_ahead import JumpSight
 from .load_functions import Asked, LoadFunctions
 from .ramp import NO_STEP, Ramp
 from .settings import SAY_OF_TIME
@@ -50,6 +51,7 @@ class CableLoads:
         self._functions = LoadFunctions([_asked(load) for load in self._histories])
         self._out_of_plane = self._columns_out_of_plane(self._histories)
         rows = [row for load in self._histories for row in self._patterns(load)]
+        self.sight = JumpSight(*self._columns_of_places(len(rows)), self.factors)
         if self._motions:
             rows += self._motion_patterns(len(force), motions)
         self._ramp = Ramp() if follows else None
@@ -174,11 +176,17 @@ class CableLoads:
         return self.constant + self.factors(times) @ self.pattern
 
     def sample(self, piece: Piece, stages: Sequence[float]) -> LoadHistory:
-        """Load history of a piece, at the stages of a scheme."""
+        """Load history of a piece, at the stages of a scheme.
+
+        Raises:
+            JumpError: a support jumps in it.
+        """
         shape = (piece.steps, len(stages), len(self.pattern))
         if not (self.varies or (self._ramp and piece.time() < self._ramp.end)):
             return LoadHistory(self.constant, self.pattern, np.zeros(shape))
-        factors = np.array(self.factors(piece.times(stages).ravel().tolist()), order="C")  # of one type
+        times = piece.times(stages).ravel().tolist()
+        factors = np.array(self.factors(times), order="C")  # of one type
+        self.sight.look(piece.time(), times, factors)
         return LoadHistory(self.constant, self.pattern, factors.reshape(shape))
 
     def factors(self, times: list[float]) -> Array:
@@ -190,6 +198,17 @@ class CableLoads:
         if self._ramp:
             columns.append(self._ramp.missing(times)[:, np.newaxis])
         return np.concatenate(columns, axis=1) if len(columns) > 1 else columns[0]
+
+    def _columns_of_places(self, first: int) -> tuple[list[int], list[int]]:
+        """Of the factors, which are places and which velocities.   first: column of the motions.
+
+        What step functions move, goes along lines; see `Steered`.
+        """
+        dim, number = self._dimension, len(self._motions)
+        starts = range(first, first + 3 * dim * number, 3 * dim)
+        smooth = [start for start, motion in zip(starts, self._motions, strict=True) if motion.is_smooth]
+        places = [start + axis for start in smooth for axis in range(dim)]
+        return places, [place + dim for place in places]
 
     def _of_motion(self, motion: Motion, times: list[float]) -> Array:
         """(T, 3 dim) p, p_t, p_tt.   SceneError if they are not finite."""

@@ -571,6 +571,8 @@ class CableRun(PacedRun):
         """What went wrong in the last steps, and why; empty if all is well."""
         if not self.gave_up:
             return ""
+        if self.jump:
+            return f"{self.name}: {self.known_cause(time)}"
         if not self.watch.trouble:
             return f"{self.name}: {GIVEN_UP}."
         tried, taken = f"; {self.control.said}", self.control.present

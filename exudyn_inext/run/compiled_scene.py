@@ -50,6 +50,7 @@ from ..system import (
 )
 from .cable_loads import CableLoads
 from .coupled_watch import CoupledWatch
+from .jump_ahead import JumpSight
 from .kept_state import KeptState
 from .load_functions import LoadFunctions, StateFunctions
 from .moved_offsets import MovedOffsets
@@ -97,6 +98,7 @@ class SceneLoads:
             row, column = row + rows, column + columns
         np.fill_diagonal(self.pattern[row:, column:], 1.0)
         self._on_cables = slice(row), slice(column)  # of the pattern; each factor after it is an input
+        self._sight = JumpSight(*self._columns_of_places(row), self.factors)
         self.of_state = of_loads if isinstance(of_loads, StateFunctions) else None
         end = len(self.constant) - follows
         self._last = slice(end - len(self._is_given), end)
@@ -161,12 +163,33 @@ class SceneLoads:
         """(F,) values of the functions of joints at t [s]."""
         return self._of_joints([t])[0]
 
-    def sample(self, times: Array) -> LoadHistory:
-        """History of steps.   times: (steps, stages) [s]."""
+    def _columns_of_places(self, first: int) -> tuple[list[int], list[int]]:
+        """See `CableLoads`; of joints too, if step functions steer none.   first: column of these."""
+        places, rates, column = list[int](), list[int](), 0
+        for of_cable in self._loads:
+            places += (column + of_cable.sight.places).tolist()
+            rates += (column + of_cable.sight.rates).tolist()
+            column += len(of_cable.pattern)
+        number = 0 if self._moved.steered else len(self._functions)
+        joints = range(first, first + 3 * number, 3)
+        return [*places, *joints], [*rates, *(place + 1 for place in joints)]
+
+    def sample(self, times: Array, since: float | None = None) -> LoadHistory:
+        """History of steps.
+
+        Args:
+            times: (steps, stages) [s].   since: their start, from which on jumps are looked for [s].
+
+        Raises:
+            JumpError: a support or joint jumps in these steps.
+        """
         shape = (*times.shape, len(self.pattern))
         if self.are_steady and not (self.ramp and times[0, 0] < self.ramp.end):
             return LoadHistory(self.constant, self.pattern, np.zeros(shape), NO_WORK)
-        factors = np.array(self.factors(times.ravel().tolist()), order="C")  # of one type
+        sampled = times.ravel().tolist()
+        factors = np.array(self.factors(sampled), order="C")  # of one type
+        if since is not None:
+            self._sight.look(since, sampled, factors)
         return LoadHistory(self.constant, self.pattern, factors.reshape(shape), NO_WORK)
 
 
@@ -453,11 +476,13 @@ class CompiledScene:
 
         Raises:
             RedundantConstraintError: names a joint that depends on others.
+            JumpError: a support or joint jumps in these steps, before which the state is.
         """
         items = self.system.items
+        sampled = self.loads.sample(times, piece.time(done))
         items.counting[:] = EACH if watch.has_one_evaluation else ALL_BUT_FIRST, 0
-        given, where = self.loads.sample(times), (piece.h, done, piece.in_interval, history)
-        self._take_steps(scheme, self.called, given, state, *where, watch.path, watch.before)
+        where = piece.h, done, piece.in_interval, history
+        self._take_steps(scheme, self.called, sampled, state, *where, watch.path, watch.before)
         items.counting[MODE] = NOT_COUNTED
         self.require_independence()
         self._require_on_cables()

@@ -201,6 +201,8 @@ class LimitedRun(PacedRun):
         """What went wrong in the last steps; see `CableRun.verdict`."""
         if not self.gave_up:
             return ""
+        if self.jump:
+            return f"{self.name}: {self.known_cause(time)}"
         if self._unsolvable:
             smaller = "If the motion before that is wrong, reduce stepSize."
             parts = filter(None, (self._unsolvable, self.known_cause(time), smaller))

@@ -21,6 +21,7 @@ from .consistent_start import StartCorrection, agree
 from .coupled_limits import LimitedRun, steps_until_look
 from .coupled_watch import LENIENCE, CoupledWatch
 from .jump import accelerate_again, remembers_axial_forces
+from .jump_ahead import JumpError
 from .kept_state import KeptState
 from .moved_by_exudyn import MovedByExudyn
 from .moved_by_kernels import MovedByKernels
@@ -525,6 +526,9 @@ class CoupledRun(LimitedRun):
         """Take steps of a piece, of which some are done; returns whether all is well.
 
         times: (steps, stages) of their evaluations [s].
+
+        Raises:
+            JumpError: something jumps in them, and they are the first ones of the piece.
         """
         self._unsolvable, end = "", done + len(times)
         is_checked = not piece.is_whole and end == piece.steps
@@ -533,6 +537,11 @@ class CoupledRun(LimitedRun):
             self.watch.count(len(times))
             self.watch.bears_throws = not self.control.may_quarter
             return self.watch.is_well_at(piece.time(end), piece.h, self.state, is_checked)
+        except JumpError as jump:
+            if not done:
+                raise
+            self.stop_at(jump)
+            return False
         except (DivergenceError, RedundantConstraintError, OffCableError) as error:
             self._unsolvable = "" if isinstance(error, DivergenceError) else str(error)
         except Exception as error:  # Exudyn's, in place of that of a user function

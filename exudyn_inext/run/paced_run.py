@@ -9,6 +9,7 @@ import numpy as np
 from ..arrays import Array, Places
 from ..constraints.motion import STEP, find_jump
 from ..integrators.integrator import Integrator
+from .jump_ahead import JumpError
 from .kept_state import KeptState
 from .redundancy import pulled_straight
 from .run_watch import RunWatch
@@ -23,6 +24,7 @@ STEPS_REHEARSED = 1000  # at most, of a run that goes on portion by portion
 SEEN_AHEAD = 3.0 * STEP  # how far differences see jumps before they happen [s]
 SHORTER = 0.9  # times the step before, from which on it sets axial vibrations free
 LONGER = 4.0  # times the step, with which accelerations are compared
+STEPS_OF_RAMP = 20.0  # in place of a jump
 SMALLEST_PARTS = 256  # and up to which all are, where no smaller ones for a while go well
 
 
@@ -32,6 +34,7 @@ class PacedRun:
     integrator, scheme: of the run.   state: of the integrator.   control: of the steps.
     indices: (n_dof,) places of the coordinates in the system vector.
     watch: `RunWatch`, which finds steps that went wrong.   gave_up: whether there are no smaller ones.
+    jump: because of which it did, or None.
     trouble: what the integrator said of the last steps that went wrong.
     looks_ahead: whether several steps of the time loop can be computed at once.
     asks_ahead: whether they can, although functions are asked in each of them, which look at the motion only.
@@ -53,6 +56,7 @@ class PacedRun:
     watch: Any
     looks_ahead = asks_ahead = False
     gave_up = False
+    jump: JumpError | None = None
     may_begin_again = False  # from wherever `advance` begins
     trouble = ""
     finding = ""
@@ -114,12 +118,13 @@ class PacedRun:
         """Why no step was small enough, if that is known.   time: start of the interval of the loop [s]."""
         time, step = time + self.control.offset, self.watch.resolving_step
         soon = max(2 * PIECE * self.control.present, SEEN_AHEAD)
+        begin, end = (self.jump.begin, self.jump.end) if self.jump else (time, time + soon)
         names = self.names_of_places
-        if names and (jump := find_jump(self.places, time, time + soon)):
+        if names and (jump := find_jump(self.places, begin, end)):
             return (
                 f"Cause: {names[jump.number]} moves by {jump.size:.3g} m (or rad) at once at "
-                f"t = {jump.time:.6g} s, for which no step is small enough: let it get there within some "
-                "time."
+                f"t = {jump.time:.6g} s, for which no step is small enough: let it get there by a "
+                f"smooth ramp of {STEPS_OF_RAMP * self.control.largest:.2g} s or longer."
             )
         if kick := max((run.loads.jump_of_velocity(time) for run in self.cable_runs), default=0.0):
             return (
@@ -138,6 +143,14 @@ class PacedRun:
                 "as tanh(v / 1e-3) does, or set energyTolerance = 10, which bears the work of jumps."
             )
         return pulled_straight(self.straight_cables()) if self._rejects else ""
+
+    def stop_at(self, jump: JumpError) -> None:
+        """No step is small enough for this jump."""
+        self.jump, self.gave_up = jump, True
+
+    def try_again(self) -> None:
+        """From another state: what has ended the run does not count."""
+        self.jump, self.gave_up = None, False
 
     def straight_cables(self) -> list[str]:
         """Names of cables that something has pulled straight, see `held_straight`."""
@@ -176,6 +189,8 @@ class PacedRun:
     def take(self, piece: Piece, history: Array) -> int:
         """Take these steps, as far as they go well; returns how many, after which the run is.
 
+        JumpError instead if a support or joint jumps in them; the run is where it was.
+
         history: (intervals, 3, n) total coordinates, velocities, accelerations at the ends of intervals.
         """
         raise NotImplementedError
@@ -201,7 +216,7 @@ class PacedRun:
                 break
             self.change_step(piece.h, piece.time())
             divisor = self.control.divisor
-            taken = self.take(piece, history[good:])
+            piece, taken = self._take_until_jump(piece, history[good:])
             done = self.control.count(piece, taken, grid)
             steps[good : good + done] = piece.h
             good += done
@@ -210,7 +225,7 @@ class PacedRun:
                 self.control.accept()
                 self._lengthen(first + good, piece.time(taken))
                 is_spoilt |= self._shorten_for_gain()
-            elif self.control.divisor == divisor:  # `take` has not asked for shorter steps
+            elif not self.gave_up and self.control.divisor == divisor:  # no shorter steps are asked for
                 if piece.intervals > 1 and not (self.looks_ahead or self.may_begin_again):
                     break  # functions are asked in each interval, which are taken one by one now
                 is_spoilt = self.reject(piece.time(taken), bool(beginning))
@@ -221,6 +236,17 @@ class PacedRun:
                 good = 0
         self.steps = steps[:good]
         return good
+
+    def _take_until_jump(self, piece: Piece, history: Array) -> tuple[Piece, int]:
+        """See `take`: of a piece, or of the part that no difference sees a jump from."""
+        try:
+            return piece, self.take(piece, history)
+        except JumpError as jump:
+            before = piece.until(jump.begin - SEEN_AHEAD)
+            if before.steps:
+                return before, self.take(before, history)
+            self.stop_at(jump)
+            return piece, 0
 
     def steps_before(self, states: int) -> Array:
         """(states,) last step before each of the last states of the run [s]."""
@@ -265,7 +291,8 @@ class PacedRun:
         beginning, self.may_begin_again, good = self.present_state(), True, 0
         with suppress(Exception):  # of a function of the user, which is asked again in the run
             good = self.record(grid, first, np.empty((intervals, 3, len(self.indices))))
-        self.may_begin_again = self.gave_up = False
+        self.may_begin_again = False
+        self.try_again()
         turned = self.watch.frequency * grid.h / self.control.divisor
         if good == intervals:
             self._begin_again(beginning, grid.time(first), is_spoilt=False)

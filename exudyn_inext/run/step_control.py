@@ -87,6 +87,11 @@ class Piece(NamedTuple):
         """After so many steps [s]."""
         return self.origin + (self.before + taken) * self.h
 
+    def until(self, time: float) -> "Piece":
+        """The intervals that end before that time [s], which is less than that of the last step."""
+        steps = int(max((time - self.time()) / self.h, 0.0))
+        return self._replace(steps=steps - steps % self.in_interval)
+
     def times(self, stages: Sequence[float]) -> Array:
         """(steps, stages) at which a scheme with these stages needs loads [s]."""
         if self.steps <= FEW:
@@ -213,6 +218,11 @@ class StepControl:
     def may_quarter(self) -> bool:
         """Whether steps that go wrong are taken again in smaller ones, for a while."""
         return self._rejects and bool(self._log.quarters < QUARTERS)
+
+    @property
+    def largest(self) -> float:
+        """The present step, or that of which it is a part after others that went wrong [s]."""
+        return self.nominal(self.present)
 
     def nominal(self, h: float) -> float:
         """The nominal step, of which steps of h [s] are parts after others that went wrong."""

@@ -40,7 +40,7 @@ class SteppedRun:
         """Back to the initial state, for steps of h [s]; see `CableRun.start`."""
         run, state = self.run, self.run.state
         self._initial.restore()
-        run.gave_up = False
+        run.try_again()
         run.set_step(h)
         run.start(time)
         self._present[0] = state.q, state.v, state.a

@@ -123,6 +123,21 @@ def test_a_jump_is_found_among_values_that_move_fast():
     assert find_jump(values, T + 1e-6, T + 4e-4) is None
 
 
+@pytest.mark.parametrize("unit", [1.0, 1e3])
+def test_a_steep_ramp_is_no_jump_in_metres_nor_in_millimetres(unit):
+    def values(t):
+        return np.array([5e-3 * unit * min(max((t - T) / 1e-4, 0.0), 1.0)])
+
+    assert find_jump(values, T - 3e-4, T + 7e-4) is None
+
+
+def test_a_jump_is_found_where_times_are_as_far_apart_as_it_is_long():
+    """The search did not end."""
+    late = 1e9
+    jump = find_jump(lambda t: np.array([0.1 * (t > late)]), late - 3e-4, late + 4e-4)
+    assert jump.size == 0.1 and jump.time == pytest.approx(late, abs=1e-6)
+
+
 def test_a_run_may_begin_where_a_motion_ends_unless_its_velocity_jumps_there():
     require_smooth(motion_of(lambda t: [min(t - T, 0.0) ** 2, 2.5]), T, "the ramp")
     with pytest.raises(InputError, match=r"the ramp is not smooth at t = .* its velocity jumps by 0.3"):

@@ -422,6 +422,32 @@ def test_an_offset_that_jumps_in_time_is_named_with_its_size():
         rope.run(0.5, stepSize=2e-4)
 
 
+def moved_at_its_end(offset, section):
+    """A rope whose end a function of time moves."""
+    rope = Rope([2, 0, 0], section)
+    rope.tie(rope.nodes[-1], 1, offsetUserFunction=lambda mbs, t, number, given: offset(t))
+    return rope
+
+
+@pytest.mark.parametrize("stretch", [{}, {"axialStiffness": 2e4}], ids=["inextensible", "stretches"])
+@pytest.mark.parametrize("size", [0.05, 1e-3])
+def test_steps_do_not_go_over_a_jump_and_the_remedy_works(size, stretch):
+    """They did in silence, or became 15 000 and more, which a wrong remedy was to make smaller still."""
+    section = {"massPerLength": 0.065, "bendingStiffness": 0.01} | stretch
+    rope = moved_at_its_end(lambda t: size * (t > 0.305), section)
+    with pytest.raises(DivergenceError, match=rf"Cause: .*node 10 .* by {size:g} m .* t = 0\.305 s") as said:
+        rope.run(0.5)
+    assert len(rope.mbs.GetSensorStoredData(rope.sensors[0])) > 25  # of 30 until then
+    duration = float(re.search(r"smooth ramp of ([\d.e-]+) s", str(said.value)).group(1))
+
+    def ramp(t):
+        x = min(max((t - 0.305) / duration, 0.0), 1.0)
+        return size * x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
+
+    _, report = moved_at_its_end(ramp, section).run(0.5)
+    assert report["steps"] < 5000
+
+
 def test_it_is_named_as_the_cause_beside_bodies_too():
     """A cable that was "pulled straight" was blamed."""
     rope = Rope([2, 0, 0], {"massPerLength": 0.25, "bendingStiffness": 2.0}, is_pinned=False)

@@ -39,9 +39,14 @@ class TurnedFrame:
 
     def _turned(self, offsets: Array) -> Array:
         """(..., 6) o and a -> (..., 12) o, and the axes one after the other."""
-        rotations = RotXYZ2RotationMatrix(np.moveaxis(offsets[..., 3:], -1, 0))  # (3, 3, ...)
-        axes = np.einsum("ij,jk...->...ki", self._axes, rotations).reshape(*offsets.shape[:-1], 9)
-        return np.concatenate([offsets[..., :3], axes], axis=-1)
+        angles = offsets[..., 3:].reshape(-1, 3)
+        if (angles == angles[0]).all():  # as where distances alone are given
+            angles = angles[:1]
+        rotations = RotXYZ2RotationMatrix(angles.T)  # (3, 3, k)
+        found = np.empty((*offsets.shape[:-1], 12))
+        found[..., :3] = offsets[..., :3]
+        found.reshape(-1, 12)[:, 3:] = np.einsum("ij,jkn->nki", self._axes, rotations).reshape(-1, 9)
+        return found
 
 
 class _OfTime:
