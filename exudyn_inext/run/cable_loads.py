@@ -14,7 +14,7 @@ from ..integrators.integrator import LoadHistory
 from ..loads.nodal import ConstantForces, NodalLoad, out_of_plane
 from ..loads.weight import ConstantWeights, ElementWeight
 from ..scene.model import CableInScene, CableLoad
-from .jump_ahead import JumpSight
+from .jump_ahead import SMALL, JumpSight
 from .load_functions import Asked, LoadFunctions
 from .ramp import NO_STEP, Ramp
 from .settings import SAY_OF_TIME
@@ -51,7 +51,7 @@ class CableLoads:
         self._functions = LoadFunctions([_asked(load) for load in self._histories])
         self._out_of_plane = self._columns_out_of_plane(self._histories)
         rows = [row for load in self._histories for row in self._patterns(load)]
-        self.sight = JumpSight(*self._columns_of_places(len(rows)), self.factors)
+        self.sight = JumpSight(self._columns_of_places(len(rows)), SMALL * cable.cable.length, self.factors)
         if self._motions:
             rows += self._motion_patterns(len(force), motions)
         self._ramp = Ramp() if follows else None

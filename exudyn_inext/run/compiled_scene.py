@@ -98,7 +98,8 @@ class SceneLoads:
             row, column = row + rows, column + columns
         np.fill_diagonal(self.pattern[row:, column:], 1.0)
         self._on_cables = slice(row), slice(column)  # of the pattern; each factor after it is an input
-        self._sight = JumpSight(*self._columns_of_places(row), self.factors)
+        least = max((of_cable.sight.least for of_cable in loads), default=0.0)
+        self._sight = JumpSight(self._columns_of_places(row), least, self.factors)
         self.of_state = of_loads if isinstance(of_loads, StateFunctions) else None
         end = len(self.constant) - follows
         self._last = slice(end - len(self._is_given), end)

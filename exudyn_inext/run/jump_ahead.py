@@ -9,9 +9,9 @@ import numpy as np
 
 from ..arrays import Array
 from ..compiled import Prepared, kernel
-from ..constraints.motion import AT_ONCE, FASTEST, find_jump
+from ..constraints.motion import find_jump
 
-LEAST = FASTEST * AT_ONCE  # that jumps are [m, -]
+SMALL = 1e-5  # jump, over the length of a cable, that counts for nothing, as where pieces of a function meet
 UNEVEN = 0.1  # share of the way of a step that is not that of its velocities, where a jump may be
 
 
@@ -27,13 +27,18 @@ class JumpSight:
     """Compares places in samples of functions of time with those that their velocities lead to.
 
     places, rates: (k,) columns of the samples that are places [m, -], and velocities of the same.
+    least: that jumps are [m, -].
     """
 
     def __init__(
-        self, places: Sequence[int], rates: Sequence[int], sample: Callable[[list[float]], Array]
+        self,
+        columns: tuple[Sequence[int], Sequence[int]],
+        least: float,
+        sample: Callable[[list[float]], Array],
     ) -> None:
-        """sample: times (T,) [s] -> (T, P)."""
-        self.places, self.rates = np.array(places, int), np.array(rates, int)
+        """columns: places and rates.   sample: times (T,) [s] -> (T, P)."""
+        places, rates = columns
+        self.places, self.rates, self.least = np.array(places, int), np.array(rates, int), least
         self._sample, self._find = sample, Prepared(_find_uneven)
         self._time, self._last = np.nan, np.zeros((1, 0))  # of the last sample
 
@@ -48,27 +53,28 @@ class JumpSight:
         last = self._last if since == self._time else self._sample([since])
         self._time, self._last = times[-1], samples[-1:]
         values, at = np.concatenate([last, samples]), np.array([since, *times])
-        k = self._find(values, at, self.places, self.rates, 0)
+        k = self._find(values, at, self.places, self.rates, self.least, 0)
         while k < len(times):
-            if find_jump(self._places_at, at[k], at[k + 1]):
+            jump = find_jump(self._places_at, at[k], at[k + 1])
+            if jump and jump.size > self.least:
                 raise JumpError(at[k], at[k + 1])
-            k = self._find(values, at, self.places, self.rates, k + 1)
+            k = self._find(values, at, self.places, self.rates, self.least, k + 1)
 
     def _places_at(self, t: float) -> Array:
         return self._sample([t])[0, self.places]
 
 
 @kernel
-def _find_uneven(values, times, places, rates, first):
+def _find_uneven(values, times, places, rates, least, first):
     """The first interval of times (T + 1,), from that number on, that may have a jump; T if none has.
 
-    values: (T + 1, P) samples.   places, rates: (k,) columns of these.
+    values: (T + 1, P) samples.   places, rates: (k,) columns of these.   least: that jumps are [m, -].
     """
     for k in range(first, len(times) - 1):
         half = 0.5 * (times[k + 1] - times[k])
         for number in range(len(places)):
             before, after = half * values[k, rates[number]], half * values[k + 1, rates[number]]
             missed = abs(values[k + 1, places[number]] - values[k, places[number]] - before - after)
-            if missed > LEAST + 2.0 * UNEVEN * max(abs(before), abs(after)):
+            if missed > least + 2.0 * UNEVEN * max(abs(before), abs(after)):
                 return k
     return len(times) - 1

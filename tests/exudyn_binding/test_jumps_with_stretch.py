@@ -448,6 +448,17 @@ def test_steps_do_not_go_over_a_jump_and_the_remedy_works(size, stretch):
     assert report["steps"] < 5000
 
 
+@pytest.mark.parametrize("stretch", [{}, {"axialStiffness": 2e4}], ids=["inextensible", "stretches"])
+def test_pieces_of_a_function_need_not_meet_exactly(stretch):
+    """A gap of less than 1e-5 of the cable's length moves it by some such gaps."""
+    section, gap = {"massPerLength": 0.065, "bendingStiffness": 0.01} | stretch, 1.5e-5
+    (path, report), (apart, other) = (
+        moved_at_its_end(lambda t, size=size: size * (t > 0.305), section).run(0.5) for size in (0.0, gap)
+    )
+    assert other["steps"] == report["steps"]
+    assert 0.5 * gap < np.abs(apart - path).max() < 5.0 * gap
+
+
 def test_it_is_named_as_the_cause_beside_bodies_too():
     """A cable that was "pulled straight" was blamed."""
     rope = Rope([2, 0, 0], {"massPerLength": 0.25, "bendingStiffness": 2.0}, is_pinned=False)
