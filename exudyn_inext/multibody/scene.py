@@ -459,13 +459,13 @@ def energies_of_spins(bodies, duration, size):
     duration: of the run [s].
     """
     energies = np.zeros(size)
-    turning = bodies[bodies["rotations"] > 1]
+    turning = np.flatnonzero(bodies["rotations"] > 1)
     if not len(turning):
         return energies
-    spin, inertia = turning["spin"], turning["mass"][:, 3:6, 3:6]
+    spin, inertia = bodies["spin"][turning], bodies["mass"][turning, 3:6, 3:6]
     squared = np.einsum("bi,bi->b", spin, spin)
     counted = squared / np.maximum(1.0, np.sqrt(squared) * duration / TURNED)
-    energies[turning["first"]] = 0.5 * counted * np.einsum("bi,bij,bj->b", spin, inertia, spin)
+    energies[bodies["first"][turning]] = 0.5 * counted * np.einsum("bi,bij,bj->b", spin, inertia, spin)
     return energies
 
 
