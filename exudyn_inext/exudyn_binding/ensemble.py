@@ -24,6 +24,7 @@ from ..run.coupled_run import CoupledRun
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import StepChoice, require_stable, warn_of_damping
 from ..run.time_grid import TimeGrid, grid_of_period
+from .bend_check import largest_turns, warn_of_turns
 from .console import compile_notice
 from .ensemble_members import Member, all_systems, read_members
 from .kept_states import KeptStates
@@ -184,6 +185,7 @@ class _Ensemble:
         self.choices: list[StepChoice] = []
         self._findings: list[str] = []
         self._stretch: list[tuple[float, str]] = []
+        self._turns: list[tuple[float, str]] = []
         self._explicit = explicit
         self._number, self._derivatives = number, derivatives
 
@@ -246,8 +248,10 @@ class _Ensemble:
             self._smallest[number] = min(run.control.smallest, self._smallest[number])
             kept = history[: good + 1, : self._derivatives].swapaxes(0, 1)
             self.states[:, number, : good + 1][..., as_slice(run.indices)] = kept
+            kept_states.keep(grid, 0, history[1 : good + 1])
+            turns = largest_turns(kept_states)
+            self._turns += [(turn, f"member {number} of the ensemble: {said}") for turn, said in turns]
             if number == 0 and isinstance(run, CableRun):  # the others ask Exudyn, which threads share
-                kept_states.keep(grid, 0, history[1 : good + 1])
                 self._stretch += left_out_stretch(kept_states)
 
     def results(self) -> dict[str, Any]:
@@ -259,6 +263,7 @@ class _Ensemble:
         for finding in self._findings[:1]:
             warnings.warn(finding, stacklevel=3)
         warn_of_worst(self._stretch)
+        warn_of_turns(self._turns)
         ends = self._divergence_times()
         return {
             "success": bool(np.isnan(ends).all()),

@@ -1,14 +1,15 @@
-"""Some states of a run, kept so that its stretch can be judged after its end: a step costs nothing."""
+"""Some states of a run, kept so that it can be judged after its end: a step costs nothing."""
 
 from ..arrays import Array
 from ..run.coupled_run import Run
 from ..run.time_grid import TimeGrid
 
 KEPT = 128  # states of a run, at least, if it has as many outputs
+MOST_NUMBERS = 4_000_000  # in them; of a large net, fewer states are kept
 
 
 class KeptStates:
-    """Of a run whose cables stretch, or are of templates whose axial stiffness was left out; of others none.
+    """Of a run.
 
     start: (n,) displacements before the first interval of the loop [m].
     begins_unstretched: whether native cables would not be stretched there.
@@ -21,14 +22,11 @@ class KeptStates:
         self.begins_unstretched = begins_unstretched
         self.states: dict[int, tuple[float, float, Array]] = {}
         self._every = 1  # intervals between two states
-        leave_out = any(cable.scene_cable.item.leaves_stretch_out for cable in run.cable_runs)
-        self._matter = leave_out or run.watch.stretches
+        self._kept = min(KEPT, max(1, MOST_NUMBERS // (4 * len(run.indices))))
 
     def keep(self, grid: TimeGrid, first: int, history: Array) -> None:
         """Of the intervals of the loop from number `first` on.   history: (intervals, 3, n), see `record`."""
-        if not self._matter:
-            return
-        while len(self.states) + len(history) // self._every > 2 * KEPT:
+        while len(self.states) + len(history) // self._every > 2 * self._kept:
             self._every *= 2
             self.states = {k: kept for k, kept in self.states.items() if k % self._every == 0}
         numbers = range(first + -first % self._every, first + len(history), self._every)

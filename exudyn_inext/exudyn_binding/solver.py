@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from dataclasses import replace
 from functools import partial
+from itertools import chain
 from time import perf_counter
 from typing import Any
 
@@ -23,6 +24,7 @@ from ..run.output_files import ResumedOutputs, require_writable_outputs
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import choose_step, warn_of_damping, warn_of_many_steps, warn_of_outputs
 from ..run.time_grid import TimeGrid, time_grid
+from .bend_check import largest_turns, warn_of_turns
 from .cable_forces import shared_evaluators
 from .changes.constraints import SteppedReader
 from .changes.follower import ChangeFollower
@@ -251,6 +253,7 @@ def _solve(
         with state_kept(mbs):
             warn_of_worst([one for kept in loop.kept_states for one in left_out_stretch(kept)])
             warn_of_waves(list(map(share_of_waves, loop.kept_states)))
+            warn_of_turns(chain.from_iterable(map(largest_turns, loop.kept_states)))
     controls = [run.control for run in loop.runs]
     steps = max(control.steps for control in controls)
     warn_of_findings(loop.runs, explicit.energyTolerance)
