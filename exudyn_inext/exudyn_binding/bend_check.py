@@ -44,6 +44,6 @@ def warn_of_turns(found: Iterable[tuple[float, str]]) -> None:
     """Of what `largest_turns` says of the runs of a scene, if a turn is too large."""
     too_large = [one for one in found if one[0] > LARGEST_TURN]
     if too_large:
-        others = f"; so do {len(too_large) - 1} others" if len(too_large) > 1 else ""
+        others = f"; {len(too_large) - 1} more cable(s), too" if len(too_large) > 1 else ""
         remedy = "Take shorter elements, or see what a run of twice as many says."
         warnings.warn(f"{max(too_large)[1]}{others}. {remedy}", stacklevel=5)

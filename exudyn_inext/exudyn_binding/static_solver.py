@@ -321,7 +321,7 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
         options = StaticOptions(static.tolerance, static.maxIterations)
         equilibrium = find_equilibrium(potential, start, options)
         q = equilibrium.q
-        reactions = others.reactions(q, equilibrium.multipliers[-len(others.values(q)) or len(q) :])
+        reactions = others.reactions(q, _last(len(others.values(q)), equilibrium.multipliers))
         data = others.data(q)
         where, taut, redundant = "", list[str](), ""
         if np.isfinite(equilibrium.residual) and not equilibrium.converged:
@@ -351,6 +351,11 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
     return report
 
 
+def _last(number: int, rows: Array) -> Array:
+    """The last `number` of all rows, which are those of joints."""
+    return rows[len(rows) - number :]
+
+
 def _redundant(potential: JoinedPotential, q: Array, joints: Sequence[str]) -> str:
     """What is said of joints that depend on other constraints at q; empty if none does.
 
@@ -359,7 +364,7 @@ def _redundant(potential: JoinedPotential, q: Array, joints: Sequence[str]) -> s
     jacobian = potential.jacobian(q)
     if jacobian.shape[0] > MOST_ROWS:
         return ""
-    pivots = shares_of_pivots((jacobian @ jacobian.T).toarray())[-len(joints) or len(q) :]
+    pivots = _last(len(joints), shares_of_pivots((jacobian @ jacobian.T).toarray()))
     found = [name for name, pivot in zip(joints, pivots, strict=True) if pivot <= PIVOT_TOLERANCE]
     return str(not_independent(found)).rstrip(".") if found else ""
 

@@ -34,18 +34,14 @@ SMALLEST = 1e-3  # nominal step, relative to the first one, below which a run ha
 class _Log(ctypes.Structure):
     """Numbers of a `StepControl`, in memory that can be kept; attributes are faster than those of records."""
 
-    _fields_ = (
-        *(
-            (name, ctypes.c_double)
-            for name in ("frequency", "first", "present", "smallest", "offset", "gain", "tension", "allowed")
-        ),
-        *(
-            (name, ctypes.c_int64)
-            for name in ("divisor", "asked", "least", "waves", "beginnings", "quarters")
-        ),
-        *((name, ctypes.c_int64) for name in ("calm", "patience", "rejections", "steps", "changed")),
-        *((name, ctypes.c_int64) for name in ("due", "pause")),
-        ("longest", ctypes.c_double),
+    _fields_ = tuple(
+        (name, kind)
+        for kind, names in (
+            (ctypes.c_double, "frequency first present smallest offset gain tension allowed longest"),
+            (ctypes.c_int64, "divisor asked least waves beginnings quarters calm patience rejections steps"),
+            (ctypes.c_int64, "changed due pause"),
+        )
+        for name in names.split()
     )
 
 
