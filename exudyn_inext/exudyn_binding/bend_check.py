@@ -1,5 +1,6 @@
 """Whether cables bend more sharply than their elements resolve."""
 
+import math
 import warnings
 from collections.abc import Iterable
 
@@ -15,27 +16,27 @@ LARGEST_TURN = 2.5  # from one node to the next [rad]: of 60 ropes released at r
 
 def largest_turns(kept: KeptStates) -> list[tuple[float, str]]:
     """Of each cable of a run that is over, its largest turn within an element [rad], and a sentence."""
-    if not kept.states:
+    if not len(kept):
         return []
-    run, (times, _, states) = kept.run, zip(*kept.states.values(), strict=True)
-    displacements = np.array([state[0] for state in states])
+    run, (times, _, states) = kept.run, kept.all()
     found = []
-    for one, (dofs, shape) in zip(run.cable_runs, run.places_of_cables, strict=False):
-        slopes = (displacements[:, dofs] + run.reference[dofs]).reshape(-1, *shape)[:, :, 1]
-        slopes /= np.maximum(np.linalg.norm(slopes, axis=2, keepdims=True), SMALLEST)
-        cosines = np.einsum("tni,tni->tn", slopes[:, :-1], slopes[:, 1:])
-        turns = np.arccos(np.clip(cosines, -1.0, 1.0))
-        first = int(np.argmax(turns.max(axis=1) > LARGEST_TURN))
-        found.append((float(turns.max()), _said(one.scene_cable, turns.max(axis=0), times[first])))
+    for cable, (dofs, shape) in zip(run.cable_runs, run.places_of_cables, strict=False):
+        slopes = (states[:, 0, dofs] + run.reference[dofs]).reshape(-1, *shape)[:, :, 1]
+        lengths = np.sqrt(np.einsum("tni,tni->tn", slopes, slopes))
+        products = np.einsum("tni,tni->tn", slopes[:, :-1], slopes[:, 1:])
+        cosines = products / np.maximum(lengths[:, :-1] * lengths[:, 1:], SMALLEST)
+        turn = math.acos(min(1.0, max(-1.0, float(cosines.min()))))
+        element = int(np.argmin(cosines.min(axis=0)))
+        first = int(np.argmax(cosines.min(axis=1) < math.cos(LARGEST_TURN)))
+        found.append((turn, _said(cable.scene_cable, turn, element, times[first])))
     return found
 
 
-def _said(cable: CableInScene, turns: np.ndarray, time: float) -> str:
-    element = int(np.argmax(turns))
+def _said(cable: CableInScene, turn: float, element: int, time: float) -> str:
     start, end = cable.item.node_names[element : element + 2]
     return (
-        f"cable '{cable.name}' turns by {turns[element]:.2g} rad between nodes {start} and {end}, an element "
-        f"of {cable.cable.element_lengths[element]:.3g} m (limit {LARGEST_TURN:g} rad): its mesh does not "
+        f"cable '{cable.name}' turns by {turn:.2g} rad between nodes {start} and {end}, an element of "
+        f"{cable.cable.element_lengths[element]:.3g} m (limit {LARGEST_TURN:g} rad): its mesh does not "
         f"resolve such bends, and from t = {time:.3g} s on its motion may be some per cent off, or more"
     )
 

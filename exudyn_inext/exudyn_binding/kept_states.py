@@ -1,5 +1,9 @@
 """Some states of a run, kept so that it can be judged after its end: a step costs nothing."""
 
+from typing import Any
+
+import numpy as np
+
 from ..arrays import Array
 from ..run.coupled_run import Run
 from ..run.time_grid import TimeGrid
@@ -9,28 +13,47 @@ MOST_NUMBERS = 4_000_000  # in them; of a large net, fewer states are kept
 
 
 class KeptStates:
-    """Of a run.
+    """Of a run, at the ends of some intervals of the loop.
 
-    start: (n,) displacements before the first interval of the loop [m].
+    start: (n,) displacements before the first one [m].
     begins_unstretched: whether native cables would not be stretched there.
-    states: time [s], step before it [s] and (2, n), by intervals of the loop.
     """
 
     def __init__(self, run: Run, begins_unstretched: bool = False) -> None:
         self.run = run
         self.start = run.state.q[: len(run.indices)] - run.reference
         self.begins_unstretched = begins_unstretched
-        self.states: dict[int, tuple[float, float, Array]] = {}
+        self._most = 2 * min(KEPT, max(1, MOST_NUMBERS // (4 * len(run.indices))))
         self._every = 1  # intervals between two states
-        self._kept = min(KEPT, max(1, MOST_NUMBERS // (4 * len(run.indices))))
+        self._blocks: list[tuple[Any, ...]] = []  # numbers of intervals, and what `all` returns
+        self._number = 0
+
+    def __len__(self) -> int:
+        return self._number
 
     def keep(self, grid: TimeGrid, first: int, history: Array) -> None:
         """Of the intervals of the loop from number `first` on.   history: (intervals, 3, n), see `record`."""
-        while len(self.states) + len(history) // self._every > 2 * self._kept:
-            self._every *= 2
-            self.states = {k: kept for k, kept in self.states.items() if k % self._every == 0}
-        numbers = range(first + -first % self._every, first + len(history), self._every)
-        steps = self.run.steps_before(len(history)) if numbers else ()
-        for number in numbers:
-            row = number - first
-            self.states[number] = grid.time(number + 1), float(steps[row]), history[row, :2].copy()
+        while self._number + len(history) // self._every > self._most:
+            self._leave_out_half()
+        offset = -first % self._every
+        if offset < len(history):
+            rows = np.arange(offset, len(history), self._every)
+            steps = self.run.steps_before(len(history))[rows]
+            times = np.array([grid.time(first + row + 1) for row in rows.tolist()])
+            self._blocks.append((first + rows, times, steps, history[rows, :2]))
+            self._number += len(rows)
+
+    def _leave_out_half(self) -> None:
+        self._every *= 2
+        kept = [block[0] % self._every == 0 for block in self._blocks]
+        self._blocks = [
+            tuple(part[some] for part in block)
+            for some, block in zip(kept, self._blocks, strict=True)
+            if some.any()
+        ]
+        self._number = sum(map(np.count_nonzero, kept))
+
+    def all(self) -> tuple[Array, Array, Array]:
+        """Times (k,) [s], steps before them (k,) [s], displacements and velocities (k, 2, n)."""
+        _, times, steps, states = map(np.concatenate, zip(*self._blocks, strict=True))
+        return times, steps, states

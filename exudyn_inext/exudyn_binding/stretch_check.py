@@ -27,10 +27,9 @@ def left_out_stretch(kept: KeptStates) -> list[tuple[float, str]]:
     """What `stretch_of` says of cables that leave stretch out; the state of the run is another one then."""
     run = kept.run
     known = [k for k, one in enumerate(run.cable_runs) if one.scene_cable.item.leaves_stretch_out]
-    if not (known and kept.states):
+    if not (known and len(kept)):
         return []
-    times, _, all_of_them = zip(*kept.states.values(), strict=True)
-    states = np.array(all_of_them)
+    times, _, states = kept.all()
     changes = np.linalg.norm(np.diff(states[:, 1], axis=0), axis=1)
     number = max(2, min(LOOKS, MOST_SOLVES // len(run.cable_runs)))
     usual = np.linspace(0, len(times) - 1, min(number, len(times))).astype(int)

@@ -24,16 +24,17 @@ def share_of_waves(kept: KeptStates) -> tuple[float, str]:
 
     They are what the strain has beyond the mean forces of the steps, see `axial`; root mean squares.
     """
-    if not (kept.run.watch.stretches and kept.states):
+    if not (kept.run.watch.stretches and len(kept)):
         return 0.0, ""
     found = _share(kept, FEW_LOOKS)
     return found if found[0] < SUSPICIOUS else _share(kept, LOOKS)
 
 
 def _share(kept: KeptStates, most: int) -> tuple[float, str]:
-    run, states = kept.run, list(kept.states.values())
+    run, (times, steps, states) = kept.run, kept.all()
     number = min(most, max(2, MOST_SOLVES // len(run.cables)), len(states))
-    looks = [states[k] for k in np.linspace(0, len(states) - 1, number).astype(int)]
+    places = np.linspace(0, len(states) - 1, number).astype(int)
+    looks = [(float(times[k]), float(steps[k]), states[k]) for k in places]
     try:
         found = [(_tensions(run, look, look[1]), _tensions(run, look, 0.0)) for look in looks]
     except InextensibleError:  # items that were changed do not allow an earlier state any more
