@@ -53,7 +53,8 @@ class Motion:
         """Save results/examples/<name>.png.   instants: six [s]."""
         picture.FOLDER.mkdir(parents=True, exist_ok=True)
         path = picture.FOLDER / f"{name}.png"
-        with new_figure(path, 6.0, 3.7) as figure:
+        with new_figure(path, 6.6, 4.2) as figure:
+            figure.get_layout_engine().set(h_pad=0.15, w_pad=0.15)  # room for labels of axes in space
             for number, t in enumerate(instants, start=1):
                 now = int(np.argmin(np.abs(self.times - t)))
                 self.show(figure.add_subplot(2, 3, number, projection="3d"), now)

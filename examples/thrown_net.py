@@ -14,8 +14,8 @@ from meshes import Net, half_circle, tie
 SIZE = {"meshes": 6, "mesh": 0.2, "speed": 4.0}  # of the net: meshes along a side, [m], [m/s]
 RADIUS, MASS, CENTRE = 0.25, 1.5, [0.05, 0.03, 0.55]  # of the ball [m], [kg], [m]
 CORNER, ELEMENTS = 0.2, 2  # masses at the corners [kg]; elements of each side of a mesh
-CABLE = inext.InextensibleCable(massPerLength=0.02, bendingStiffness=1e-5, bendingDamping=1e-6)
-TETHER = inext.InextensibleCable(massPerLength=0.04, bendingStiffness=1e-4, bendingDamping=1e-5)
+CABLE = inext.InextensibleCable(massPerLength=0.02, bendingStiffness=1e-4, bendingDamping=1e-5)
+TETHER = inext.InextensibleCable(massPerLength=0.04, bendingStiffness=5e-4, bendingDamping=5e-5)
 ANCHOR, THICKNESS = [-0.9, 0, 0], 0.01  # of the tether [m]; radius of the spheres at the knots [m]
 CONTACT = {"contactStiffness": 2e3, "contactDamping": 1.0, "frictionMaterialIndex": 0}  # [N/m], [N s/m]
 SETTINGS = inext.ExplicitSettings(stepSize=5e-4, massScaling=0.3)
