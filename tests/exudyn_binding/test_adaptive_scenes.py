@@ -21,7 +21,7 @@ from exudyn_inext import (
     StepSizeError,
 )
 from reference_models.model import quiet_settings, silence
-from tests.exudyn_binding.items import add_pendulum, either_cable, load_node, trajectory
+from tests.exudyn_binding.items import COARSE, add_pendulum, either_cable, load_node, trajectory
 from tests.exudyn_binding.test_restart import restarting
 from tests.exudyn_binding.test_support_forces import hold
 
@@ -141,6 +141,7 @@ def thrown(mbs):
     return nodes[-1]
 
 
+@COARSE
 def test_steps_that_become_shorter_for_the_motion_are_as_accurate_as_equal_ones(run):
     """They followed the limit, too, divided, and lost energy at each change: four times the error."""
     _, exact, _ = run(thrown, 0.02, 2e-4, stepSize=2.5e-6)

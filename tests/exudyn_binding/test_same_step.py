@@ -18,7 +18,7 @@ from exudyn_inext import (
     SolveExplicit,
 )
 from reference_models.model import quiet_settings, silence
-from tests.exudyn_binding.items import load_node
+from tests.exudyn_binding.items import COARSE, load_node
 
 END, PERIOD = 0.5, 0.01
 PINNED, CLAMPED = [True, True, False, False], [True] * 4
@@ -109,6 +109,7 @@ def stepper_of(mbs, interval=PERIOD, **explicit):
 
 
 @pytest.mark.parametrize("name", SCENES)
+@COARSE
 def test_the_same_scene_takes_the_same_steps_by_all_three_ways(name):
     run, by_stepper = SCENES[name](), SCENES[name]()
     with silence():
@@ -128,6 +129,7 @@ def test_the_same_scene_takes_the_same_steps_by_all_three_ways(name):
 
 
 @pytest.mark.parametrize("name", ["pushed", "bending-damped", "soft"])
+@COARSE
 def test_portions_of_intervals_give_the_same_bits(name):
     whole, parts = SCENES[name](), SCENES[name]()
     with silence():
@@ -140,6 +142,7 @@ def test_portions_of_intervals_give_the_same_bits(name):
     np.testing.assert_array_equal(state(parts), state(whole))
 
 
+@COARSE
 def test_members_that_want_different_steps_take_their_own():
     sections = {"light": (0.1, 1.0), "stiff": (10.0, 1000.0), "soft": (0.1, 1e-4), "heavy": (0.1, 1.0)}
     weights = {"heavy": [0.0, -981.0, 0.0]}

@@ -72,15 +72,19 @@ from exudyn_inext.native.friction_check import FrictionCheck
 from exudyn_inext.native.known import scene
 from exudyn_inext.native.known.connectors import read_connector
 from reference_models.model import quiet_settings, silence
+from tests.exudyn_binding.items import COARSE
 
 STEP, STEPS = 5e-5, 50
 SEGMENTS = 3  # of an element in contact
 TOLERANCE = 1e-10  # of coordinates after all steps, relative to the largest one
 OF_JOINTS = 1e-9  # with joints, whose second derivatives Exudyn's side finds by differences
 OFF_UNITY = {"RATTLE": 3e-9, "RK4": 5e-8, "Zhai": 3e-6}  # where quaternions are not quite of unit norm
-pytestmark = pytest.mark.filterwarnings(
-    "ignore:.*velocit", "ignore:.*rotationMarker.*deprecated", "ignore:.*the energy has grown"
-)
+pytestmark = [
+    pytest.mark.filterwarnings(
+        "ignore:.*velocit", "ignore:.*rotationMarker.*deprecated", "ignore:.*the energy has grown"
+    ),
+    COARSE,
+]
 every_integrator = pytest.mark.parametrize(
     ("integrator", "dimension"), [("RATTLE", 2), ("RATTLE", 3), ("RK4", 3), ("Zhai", 2)]
 )
