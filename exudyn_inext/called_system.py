@@ -47,8 +47,8 @@ PLACES = (  # in tables; compiled code holds them: they must not depend on what 
     "show_matrix",
     "add_contact",
     "finish_step",
-    "place_trees",
-    "move_trees",
+    "place_rare_points",
+    "move_rare_points",
 )
 INTEGER = np.dtype(np.int64)
 

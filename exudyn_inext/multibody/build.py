@@ -13,10 +13,11 @@ from .cables import Cables, provide_cables, provide_damping, show_matrix
 from .dashpots import rows_of_dashpots
 from .implicit_contacts import add_contact, mark_implicit
 from .ramps import ramps_of
+from .rare_points import called_points
 from .rows import ROW
 from .scene import Items, SceneSystem
-from .sliding import span_chains
-from .trees import trees_of
+from .sliding import Sliders, Sliding, span_chains
+from .trees import Trees
 
 FunctionOfTime = Callable[[Sequence[float]], Array]
 """Times (T,) [s] -> (T, 3) numbers that depend on the time alone."""
@@ -29,7 +30,7 @@ class KnownItems:
     bodies: Any
     links: Any
     points: Any
-    sliders: Any
+    sliders: Sliders
     rows: Any
     connectors: Any
     linear_forces: Any
@@ -68,15 +69,22 @@ def build_scene(
     if implicit:
         provide_cables(cables, chains, add_contact)
     acting = known.connectors, known.linear_forces, known.loads, known.contacts
-    trees = trees_of(known.links, known.bodies, known.points)
-    records = known.bodies, known.links, trees, known.points, known.sliders, *acting
+    records = known.bodies, known.links, known.points, known.sliders, *acting
     ramps = ramps_of(known.connectors, known.linear_forces, known.loads, known.points)
     items = Items(*records, ramps, joints, force, given, predicted, path, np.zeros(2, np.int64))
+    items = with_rare_points(items)
     number = places[-1].stop if places else 0
     ahead = np.repeat(cables.inputs[:-1] - cables.dofs[:-1], np.diff(cables.dofs))  # motions of those before
     of_cables = np.zeros(cables.inputs[-1]), np.arange(number) + ahead
     unjoined, left = np.zeros((2, size))
     return SceneSystem(cables, number, *of_cables, unjoined, left, items, zeta)
+
+
+def with_rare_points(items: Items) -> Items:
+    """The same, whose trees and sliders are called."""
+    trees = called_points(Trees(items.links, items.bodies, items.points), len(items.links))
+    sliding = called_points(Sliding(items.sliders, items.points), len(items.sliders.records))
+    return items._replace(trees=trees, sliding=sliding)
 
 
 def with_dashpots(
@@ -103,7 +111,7 @@ def with_dashpots(
     return system._replace(items=items._replace(joints=built))
 
 
-def _ends(chains: Sequence[Any], places: Sequence[slice], sliders: Any) -> Ends:
+def _ends(chains: Sequence[Any], places: Sequence[slice], sliders: Sliders) -> Ends:
     """Of cables whose nodes can be unknowns."""
     return _without(ends_of_cables(chains, places), places, sliders.records["first"].tolist())
 

@@ -77,9 +77,9 @@ from .linear_forces import add_linear_forces
 from .loads import add_loads
 from .points import move_points, place_points
 from .ramps import Ramps, follow_ramps
+from .rare_points import NO_POINTS, move_rare_points, place_rare_points
 from .rows import move_rows
-from .sliding import move_sliders, place_sliders
-from .trees import move_trees, place_trees
+from .sliding import Sliders
 
 NOT_COUNTED, EACH, ALL_BUT_FIRST = range(3)  # evaluations whose work is counted
 SETTLING, AS_PRESSED = 3, 4  # contact settles, or stays in the cables' matrices as it is
@@ -91,8 +91,9 @@ TRIALS = 4  # solves in one evaluation, until those contacts act that press
 class Items(NamedTuple):
     """All but the cables: records, and memory.
 
-    bodies, links, points, connectors, linear_forces, loads: records.   trees: of links, called by address.
+    bodies, links, points, connectors, linear_forces, loads: records.
     sliders, contacts, ramps, joints: see `Sliders`, `Contacts`, `Ramps`, `Joints`.
+    trees, sliding: of links and sliders, called by address.
     force: (n,) what connectors, contacts and loads do to all coordinates [N, Nm].
     given: (n,) what others do.   predicted: (n,) velocities at which they act.
     path: memory of their work, see `scene.path_work`.   counting: (2,) MODE and EVALUATION: in which
@@ -101,9 +102,8 @@ class Items(NamedTuple):
 
     bodies: Any
     links: Any
-    trees: Called
     points: Any
-    sliders: Any
+    sliders: Sliders
     connectors: Any
     linear_forces: Any
     loads: Any
@@ -115,6 +115,8 @@ class Items(NamedTuple):
     predicted: Array
     path: Array
     counting: np.ndarray
+    trees: Called = NO_POINTS
+    sliding: Called = NO_POINTS
 
 
 class SceneSystem(NamedTuple):
@@ -147,8 +149,8 @@ def _count_work(items, q):
 @inlined
 def _move_points(items, q, v):
     move_points(items.points, items.bodies, q, v)
-    move_trees(items.trees, v)
-    move_sliders(items.sliders, items.points, q, v)
+    move_rare_points(items.trees, q, v)
+    move_rare_points(items.sliding, q, v)
 
 
 @inlined
@@ -159,8 +161,8 @@ def _place(items, q, v):
         set_normal(body)
         move_body(body, q, v)
     place_points(items.points, items.bodies, q)
-    place_trees(items.trees, q)
-    place_sliders(items.sliders, items.points, q)
+    place_rare_points(items.trees, q)
+    place_rare_points(items.sliding, q)
     _move_points(items, q, v)
 
 
@@ -387,8 +389,8 @@ def _correct_items(items, functions, q, learning, correction):
             correction[body.first + i] = 0.0
         add_lever(body, correction[body.first :])
     place_points(items.points, items.bodies, q)
-    place_trees(items.trees, q)
-    place_sliders(items.sliders, items.points, q)
+    place_rare_points(items.trees, q)
+    place_rare_points(items.sliding, q)
     move_rows(joints.rows, functions)
     set_values(joints, items.points)
     for r in range(len(joints.value)):
@@ -441,7 +443,7 @@ def report_energy_of_scene(system, external, q, v, a, force, energy_report):
 def bodies_energy(bodies, trees, q, v):
     """Kinetic energy [J] of velocities v (n,) at q (n,)."""
     total = 0.0
-    place_trees(trees, q)
+    place_rare_points(trees, q)
     for b in range(len(bodies)):
         body = bodies[b]
         place_body(body, q)
@@ -479,8 +481,8 @@ def leave_out_turns(bodies, way):
 @kernel
 def subtract_inertia_forces(bodies, trees, q, v, force):
     """Take those of all bodies that move with v (n,) at q (n,) off the forces (n,)."""
-    place_trees(trees, q)
-    move_trees(trees, v)
+    place_rare_points(trees, q)
+    move_rare_points(trees, q, v)
     for b in range(len(bodies)):
         body = bodies[b]
         place_body(body, q)
@@ -489,14 +491,14 @@ def subtract_inertia_forces(bodies, trees, q, v, force):
 
 
 @kernel
-def joint_violation(bodies, trees, points, sliders, joints, functions, q):
+def joint_violation(bodies, trees, points, sliding, joints, functions, q):
     """Largest |c| at q (n,).   functions: (F,) of time.   others: see `Items`."""
     move_rows(joints.rows, functions)
     for b in range(len(bodies)):
         place_body(bodies[b], q)
     place_points(points, bodies, q)
-    place_trees(trees, q)
-    place_sliders(sliders, points, q)
+    place_rare_points(trees, q)
+    place_rare_points(sliding, q)
     set_values(joints, points)
     return largest_value(joints, 0.0)
 

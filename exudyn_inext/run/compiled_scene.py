@@ -17,7 +17,13 @@ from ..called_system import Bound, called, implements
 from ..compiled import Prepared
 from ..errors import OffCableError, RedundantConstraintError
 from ..integrators.integrator import NO_WORK, LoadHistory
-from ..multibody.build import FunctionOfTime, copied, held_coordinates, with_dashpots
+from ..multibody.build import (
+    FunctionOfTime,
+    copied,
+    held_coordinates,
+    with_dashpots,
+    with_rare_points,
+)
 from ..multibody.cables import Cables, cables_in_a_row, provide_cables
 from ..multibody.joints import Joints
 from ..multibody.ramps import Ramps, with_ramps
@@ -38,7 +44,6 @@ from ..multibody.scene import (
     take_steps,
 )
 from ..multibody.sliding import BEYOND, PLACE
-from ..multibody.trees import trees_of
 from ..scene.redundant_rows import NOT_FINITE, dependent_rows, not_independent
 from ..system import (
     ACCELERATION_ENERGY,
@@ -587,8 +592,8 @@ class CompiledScene:
         copies.joints.rows["lag"] = 0.0
         copies.bodies["drift_correction"] = 0.0
         forces = {name: getattr(items, name) for name in _CHANGING}
-        trees = trees_of(copies.links, copies.bodies, copies.points)
-        return self.system._replace(cables=own, items=copies._replace(trees=trees, **forces))
+        own_items = with_rare_points(copies._replace(**forces))
+        return self.system._replace(cables=own, items=own_items)
 
     def _joined_forces(self, system: SceneSystem) -> Array:
         """(n,) what items and joints did at the last evaluation of that system."""
@@ -640,7 +645,7 @@ class CompiledScene:
     def _joined(self) -> tuple[Any, ...]:
         """What `joint_violation` looks at."""
         items = self.system.items
-        return items.bodies, items.trees, items.points, items.sliders, items.joints
+        return items.bodies, items.trees, items.points, items.sliding, items.joints
 
     def violation(self, t: float, q: Array) -> float:
         """Largest |c| of the joints [m, -]."""
