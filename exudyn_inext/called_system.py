@@ -36,7 +36,7 @@ from .system import (
     report_energy,
 )
 
-MOST_PROTOCOLS = 12
+MOST_PROTOCOLS = 18
 PLACES = (  # in tables; compiled code holds them: they must not depend on what is imported first
     "accelerate",
     "correct_position",
@@ -49,6 +49,12 @@ PLACES = (  # in tables; compiled code holds them: they must not depend on what 
     "finish_step",
     "place_rare_points",
     "move_rare_points",
+    "add_contacts",
+    "check_friction",
+    "press",
+    "complete_contacts",
+    "reconsider_contacts",
+    "settle_contacts",
 )
 INTEGER = np.dtype(np.int64)
 
@@ -57,7 +63,7 @@ class Called(NamedTuple):
     """Any system, for kernels that shall not depend on its type.
 
     address: where it lies in memory, as compiled code holds it; without the compiler, the system itself.
-    functions: (12,) addresses of its implementations of protocols, by their places; 0: none was asked for.
+    functions: (18,) addresses of its implementations of protocols, by their places; 0: none was asked for.
     """
 
     address: Any
@@ -160,6 +166,9 @@ def _address(protocol: Any, structure: Structure) -> int:
     return _ADDRESSES[key]
 
 
+_BEHIND: dict[int, Any] = {}  # systems by their addresses
+
+
 def _table_of(system: Any) -> tuple[np.ndarray, Structure]:
     """Functions, behind which the system lies, and its structure; the system is kept as long as these."""
     if id(system) in _TABLES:
@@ -168,9 +177,18 @@ def _table_of(system: Any) -> tuple[np.ndarray, Structure]:
     structure, words = structure_of(system), words_of(system)
     assert len(words) == -(-structure.size // INTEGER.itemsize)
     functions = np.array([0] * MOST_PROTOCOLS + words, INTEGER)[:MOST_PROTOCOLS]
-    forget = partial(_TABLES.pop, id(system))
-    _TABLES[id(system)] = weakref.ref(functions, forget), structure, system
+    address = place_of(functions) + functions.nbytes
+
+    def forget(_reference: Any, key: int = id(system)) -> None:
+        del _TABLES[key], _BEHIND[address]
+
+    _TABLES[id(system)], _BEHIND[address] = (weakref.ref(functions, forget), structure, system), system
     return functions, structure
+
+
+def behind(one: Called) -> Any:
+    """The system that is called."""
+    return one.address if numba.config.DISABLE_JIT else _BEHIND[one.address]
 
 
 def called(system: Any, *protocols: Any) -> Any:
@@ -241,6 +259,21 @@ class Bound:
         return self._function(*arguments)
 
 
+def called_part(part: Any, *protocols: Any) -> Called:
+    """A part of a scene, called by address; if it has no records, nothing of it is compiled."""
+    known: Called = called(part)
+    if len(part.records):
+        provide(known.functions, part, *protocols)
+    return known
+
+
+def called_as(one: Called, part: Any) -> Called:
+    """Another part of the same type, called by the same functions."""
+    known: Called = called(part)
+    known.functions[:] = one.functions
+    return known
+
+
 def takes_any_system(*protocols: Any) -> Callable[[Any], Any]:
     """Compile f(system, ...) as a kernel that calls these protocols by address, once for all systems."""
 
@@ -270,6 +303,18 @@ def call_protocol(system, place, arguments):
         arguments[-1][0] = np.nan
         return np.nan
     return call_at(address, system.address, arguments)
+
+
+def of_parts(protocol: Any, *kinds: Any) -> int:
+    """As `by_address`, of parts of a scene, which need not implement it; then it returns 0."""
+    place = by_address(protocol, *kinds)
+
+    def call(part, *arguments):
+        address = part.functions[place]
+        return call_at(address, part.address, arguments) if address != 0 else 0.0
+
+    calls(protocol)(call)
+    return place
 
 
 _SERVED = {index_reduced_rates: accelerate, accelerate_and_project: accelerate}

@@ -56,22 +56,19 @@ PLACE = ("segment", "x", "length")  # from which the next foot is looked for
 
 
 class Sliders(NamedTuple):
-    """records: of all of them.   lengths: of their elements, one chain after the other [m]."""
+    """records: of all of them.   lengths: of their elements, one chain after the other [m].
+
+    points: of the scene.
+    """
 
     records: Any
     lengths: Array
+    points: Any = None
 
 
-class Sliding(NamedTuple):
-    """sliders: of a scene, with its points."""
-
-    sliders: Sliders
-    points: Any
-
-
-def span_chains(sliders, points):
+def span_chains(sliders):
     """Let coordinates of its whole chain belong to each point that slides, until it is placed again."""
-    records = sliders.records
+    records, points = sliders.records, sliders.points
     points["first"][records["point"]] = records["first"]
     points["width"][records["point"]] = 2 * records["dimension"] * (records["elements"] + 1)
 
@@ -160,10 +157,10 @@ def _find_foot(slider, lengths, point, p, q):
             slider.x, slider.length = 0.0, lengths[slider.lengths + slider.segment]
 
 
-@implements(place_rare_points, Sliding)
-def place_sliders(sliding, q):
+@implements(place_rare_points, Sliders)
+def place_sliders(sliders, q):
     """Feet on the chains."""
-    sliders, points = sliding.sliders, sliding.points
+    points = sliders.points
     for k in range(len(sliders.records)):
         slider = sliders.records[k]
         point = points[slider.point]
@@ -220,12 +217,12 @@ def _turn_with_slope(slider, point):
         point.spin_rate[i] = cross(t, change, i) + twist_rate * t[i] + twist * rate[i]
 
 
-@implements(move_rare_points, Sliding)
-def move_sliders(sliding, q, v):
+@implements(move_rare_points, Sliders)
+def move_sliders(sliders, q, v):
     """Feet on the chains; velocities at a fixed s are set."""
-    points = sliding.points
-    for k in range(len(sliding.sliders.records)):
-        slider = sliding.sliders.records[k]
+    points = sliders.points
+    for k in range(len(sliders.records)):
+        slider = sliders.records[k]
         point = points[slider.point]
         _move_along(slider, point, points[slider.follows], q, v)
         _turn_with_slope(slider, point)

@@ -49,9 +49,9 @@ LINK = record_type(
 
 
 class Trees(NamedTuple):
-    """Records: links of all trees, and bodies and points of the scene."""
+    """records: links, the first one of them the ground.   bodies, points: records of the scene."""
 
-    links: Any
+    records: Any
     bodies: Any
     points: Any
 
@@ -235,7 +235,7 @@ def _place_on_link(point, link):
 @implements(place_rare_points, Trees)
 def place_trees(trees, q):
     """Frames and masses of links, and points on them, `local` from the centre of mass."""
-    links, points = trees.links, trees.points
+    links, points = trees.records, trees.points
     _place_links(links, trees.bodies, q)
     for p in range(len(points)):
         if points[p].kind == ON_LINK:
@@ -258,7 +258,7 @@ def _move_on_link(point, link, v):
 @implements(move_rare_points, Trees)
 def move_trees(trees, q, v):
     """Rates of links, h, and points on them."""
-    links, points = trees.links, trees.points
+    links, points = trees.records, trees.points
     _move_links(links, trees.bodies, v)
     for p in range(len(points)):
         if points[p].kind == ON_LINK:
