@@ -155,7 +155,8 @@ def _do_nothing(*_arguments):
 
 
 _ADDRESSES: dict[Any, int] = {}  # of protocols for structures of systems
-_TABLES: dict[int, tuple[Any, Structure, Any]] = {}  # references to those of systems, by their identities
+_TABLES: dict[int, tuple[Any, Structure]] = {}  # references to those of systems, by their identities
+_BEHIND: dict[int, Any] = {}  # systems by their addresses
 
 
 def _address(protocol: Any, structure: Structure) -> int:
@@ -166,24 +167,27 @@ def _address(protocol: Any, structure: Structure) -> int:
     return _ADDRESSES[key]
 
 
-_BEHIND: dict[int, Any] = {}  # systems by their addresses
-
-
 def _table_of(system: Any) -> tuple[np.ndarray, Structure]:
     """Functions, behind which the system lies, and its structure; the system is kept as long as these."""
     if id(system) in _TABLES:
-        reference, structure, _ = _TABLES[id(system)]
+        reference, structure = _TABLES[id(system)]
         return reference(), structure
     structure, words = structure_of(system), words_of(system)
     assert len(words) == -(-structure.size // INTEGER.itemsize)
     functions = np.array([0] * MOST_PROTOCOLS + words, INTEGER)[:MOST_PROTOCOLS]
-    address = place_of(functions) + functions.nbytes
-
-    def forget(_reference: Any, key: int = id(system)) -> None:
-        del _TABLES[key], _BEHIND[address]
-
-    _TABLES[id(system)], _BEHIND[address] = (weakref.ref(functions, forget), structure, system), system
+    address = _behind_table(functions)
+    _TABLES[id(system)], _BEHIND[address] = (weakref.ref(functions), structure), system
+    weakref.finalize(functions, _forget, id(system), address).atexit = False
     return functions, structure
+
+
+def _behind_table(functions: np.ndarray) -> int:
+    """The address where its system lies."""
+    return place_of(functions) + functions.nbytes
+
+
+def _forget(key: int, address: int) -> None:
+    del _TABLES[key], _BEHIND[address]
 
 
 def behind(one: Called) -> Any:
@@ -204,9 +208,9 @@ def called(system: Any, *protocols: Any) -> Any:
         return Called(system, np.zeros(MOST_PROTOCOLS, INTEGER))
     if not _are_called(type(system), protocols):
         return system
-    functions, structure = _table_of(system)
-    _fill(functions, system, structure, protocols)
-    return Called(place_of(functions) + functions.nbytes, functions)
+    functions, _ = _table_of(system)
+    provide(functions, system, *protocols)
+    return Called(_behind_table(functions), functions)
 
 
 @cache
@@ -228,15 +232,11 @@ def addresses_of(row: Sequence[Called]) -> Any:
 
 def provide(functions: np.ndarray, system: Any, *protocols: Any) -> None:
     """Compile these protocols for the type of a system, and put their addresses into a table."""
-    _fill(functions, system, _table_of(system)[1], protocols)
-
-
-def _fill(functions: np.ndarray, system: Any, structure: Structure, protocols: Sequence[Any]) -> None:
     for one in protocols:
         serving = _SERVED.get(one, one)
         place = _ENTRIES[serving].place
         if not functions[place] and _is_implemented(system.__class__, serving):
-            functions[place] = 1 if numba.config.DISABLE_JIT else _address(serving, structure)
+            functions[place] = 1 if numba.config.DISABLE_JIT else _address(serving, _table_of(system)[1])
 
 
 def keep_with(array: np.ndarray, *others: Any) -> None:
@@ -313,7 +313,10 @@ def of_parts(protocol: Any, *kinds: Any) -> int:
         address = part.functions[place]
         return call_at(address, part.address, arguments) if address != 0 else 0.0
 
-    calls(protocol)(call)
+    def call_itself(part, *arguments):
+        return protocol(part.address, *arguments) if part.functions[place] else 0.0
+
+    protocol.register(Called)(call_itself if numba.config.DISABLE_JIT else inlined_kernel(call))
     return place
 
 

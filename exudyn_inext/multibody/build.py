@@ -147,13 +147,14 @@ def _without(ends: Ends, places: Sequence[slice], firsts: Sequence[int]) -> Ends
 def copied(memory: Any, copies: dict[int, Any]) -> Any:
     """The same named tuple of such tuples and arrays, with copies of its arrays, and of what is called.
 
-    copies: by the identity of an array, what takes its place; others are added.
+    copies: by identity, what takes the place of an array or a tuple; copies of arrays are added.
     """
+    if id(memory) in copies:
+        return copies[id(memory)]
     if isinstance(memory, Called):
         return called_as(memory, copied(behind(memory), copies))
     if isinstance(memory, np.ndarray):
-        if id(memory) not in copies:
-            copies[id(memory)] = copy_of(memory)
+        copies[id(memory)] = copy_of(memory)
         return copies[id(memory)]
     if not isinstance(memory, tuple):
         return memory

@@ -588,8 +588,7 @@ class CompiledScene:
         own.functions[:] = self.system.cables.functions
         items = self.system.items
         shared = {id(one): one for one in (getattr(items, name) for name in _CHANGING)}
-        of_cables = {id(one): new for one, new in zip(self.system.cables, own, strict=True)}
-        copies = copied(items, shared | of_cables)
+        copies = copied(items, {id(self.system.cables): own, **shared})
         behind(copies.contacts).records["lag"] = 0.0
         copies.ramps.number[0] = 0
         copies.joints.drift_correction[:] = 0.0
