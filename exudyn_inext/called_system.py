@@ -156,7 +156,7 @@ def _do_nothing(*_arguments):
 
 _ADDRESSES: dict[Any, int] = {}  # of protocols for structures of systems
 _TABLES: dict[int, tuple[Any, Structure]] = {}  # references to those of systems, by their identities
-_BEHIND: dict[int, Any] = {}  # systems by their addresses
+_BEHIND: dict[int, Any] = {}  # systems, by the identities of their functions
 
 
 def _address(protocol: Any, structure: Structure) -> int:
@@ -175,24 +175,18 @@ def _table_of(system: Any) -> tuple[np.ndarray, Structure]:
     structure, words = structure_of(system), words_of(system)
     assert len(words) == -(-structure.size // INTEGER.itemsize)
     functions = np.array([0] * MOST_PROTOCOLS + words, INTEGER)[:MOST_PROTOCOLS]
-    address = _behind_table(functions)
-    _TABLES[id(system)], _BEHIND[address] = (weakref.ref(functions), structure), system
-    weakref.finalize(functions, _forget, id(system), address).atexit = False
+    _TABLES[id(system)], _BEHIND[id(functions)] = (weakref.ref(functions), structure), system
+    weakref.finalize(functions, _forget, id(system), id(functions)).atexit = False
     return functions, structure
 
 
-def _behind_table(functions: np.ndarray) -> int:
-    """The address where its system lies."""
-    return place_of(functions) + functions.nbytes
-
-
-def _forget(key: int, address: int) -> None:
-    del _TABLES[key], _BEHIND[address]
+def _forget(system: int, functions: int) -> None:
+    del _TABLES[system], _BEHIND[functions]
 
 
 def behind(one: Called) -> Any:
     """The system that is called."""
-    return one.address if numba.config.DISABLE_JIT else _BEHIND[one.address]
+    return one.address if numba.config.DISABLE_JIT else _BEHIND[id(one.functions)]
 
 
 def called(system: Any, *protocols: Any) -> Any:
@@ -210,7 +204,7 @@ def called(system: Any, *protocols: Any) -> Any:
         return system
     functions, _ = _table_of(system)
     provide(functions, system, *protocols)
-    return Called(_behind_table(functions), functions)
+    return Called(place_of(functions) + functions.nbytes, functions)
 
 
 @cache
