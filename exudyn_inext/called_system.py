@@ -36,7 +36,7 @@ from .system import (
     report_energy,
 )
 
-MOST_PROTOCOLS = 12
+MOST_PROTOCOLS = 18
 PLACES = (  # in tables; compiled code holds them: they must not depend on what is imported first
     "accelerate",
     "correct_position",
@@ -47,8 +47,14 @@ PLACES = (  # in tables; compiled code holds them: they must not depend on what 
     "show_matrix",
     "add_contact",
     "finish_step",
-    "place_trees",
-    "move_trees",
+    "place_rare_points",
+    "move_rare_points",
+    "add_contacts",
+    "check_friction",
+    "press",
+    "complete_contacts",
+    "reconsider_contacts",
+    "settle_contacts",
 )
 INTEGER = np.dtype(np.int64)
 
@@ -57,7 +63,7 @@ class Called(NamedTuple):
     """Any system, for kernels that shall not depend on its type.
 
     address: where it lies in memory, as compiled code holds it; without the compiler, the system itself.
-    functions: (12,) addresses of its implementations of protocols, by their places; 0: none was asked for.
+    functions: (18,) addresses of its implementations of protocols, by their places; 0: none was asked for.
     """
 
     address: Any
@@ -149,7 +155,8 @@ def _do_nothing(*_arguments):
 
 
 _ADDRESSES: dict[Any, int] = {}  # of protocols for structures of systems
-_TABLES: dict[int, tuple[Any, Structure, Any]] = {}  # references to those of systems, by their identities
+_TABLES: dict[int, tuple[Any, Structure]] = {}  # references to those of systems, by their identities
+_BEHIND: dict[int, Any] = {}  # systems, by the identities of their functions
 
 
 def _address(protocol: Any, structure: Structure) -> int:
@@ -163,14 +170,23 @@ def _address(protocol: Any, structure: Structure) -> int:
 def _table_of(system: Any) -> tuple[np.ndarray, Structure]:
     """Functions, behind which the system lies, and its structure; the system is kept as long as these."""
     if id(system) in _TABLES:
-        reference, structure, _ = _TABLES[id(system)]
+        reference, structure = _TABLES[id(system)]
         return reference(), structure
     structure, words = structure_of(system), words_of(system)
     assert len(words) == -(-structure.size // INTEGER.itemsize)
     functions = np.array([0] * MOST_PROTOCOLS + words, INTEGER)[:MOST_PROTOCOLS]
-    forget = partial(_TABLES.pop, id(system))
-    _TABLES[id(system)] = weakref.ref(functions, forget), structure, system
+    _TABLES[id(system)], _BEHIND[id(functions)] = (weakref.ref(functions), structure), system
+    weakref.finalize(functions, _forget, id(system), id(functions)).atexit = False
     return functions, structure
+
+
+def _forget(system: int, functions: int) -> None:
+    del _TABLES[system], _BEHIND[functions]
+
+
+def behind(one: Called) -> Any:
+    """The system that is called."""
+    return one.address if numba.config.DISABLE_JIT else _BEHIND[id(one.functions)]
 
 
 def called(system: Any, *protocols: Any) -> Any:
@@ -186,8 +202,8 @@ def called(system: Any, *protocols: Any) -> Any:
         return Called(system, np.zeros(MOST_PROTOCOLS, INTEGER))
     if not _are_called(type(system), protocols):
         return system
-    functions, structure = _table_of(system)
-    _fill(functions, system, structure, protocols)
+    functions, _ = _table_of(system)
+    provide(functions, system, *protocols)
     return Called(place_of(functions) + functions.nbytes, functions)
 
 
@@ -210,15 +226,11 @@ def addresses_of(row: Sequence[Called]) -> Any:
 
 def provide(functions: np.ndarray, system: Any, *protocols: Any) -> None:
     """Compile these protocols for the type of a system, and put their addresses into a table."""
-    _fill(functions, system, _table_of(system)[1], protocols)
-
-
-def _fill(functions: np.ndarray, system: Any, structure: Structure, protocols: Sequence[Any]) -> None:
     for one in protocols:
         serving = _SERVED.get(one, one)
         place = _ENTRIES[serving].place
         if not functions[place] and _is_implemented(system.__class__, serving):
-            functions[place] = 1 if numba.config.DISABLE_JIT else _address(serving, structure)
+            functions[place] = 1 if numba.config.DISABLE_JIT else _address(serving, _table_of(system)[1])
 
 
 def keep_with(array: np.ndarray, *others: Any) -> None:
@@ -239,6 +251,21 @@ class Bound:
             function = self._protocol.dispatch(type(known))
             self._function = partial(entry_of(function, (known, *arguments)), known)
         return self._function(*arguments)
+
+
+def called_part(part: Any, *protocols: Any) -> Called:
+    """A part of a scene, called by address; if it has no records, nothing of it is compiled."""
+    known: Called = called(part)
+    if len(part.records):
+        provide(known.functions, part, *protocols)
+    return known
+
+
+def called_as(one: Called, part: Any) -> Called:
+    """Another part of the same type, called by the same functions."""
+    known: Called = called(part)
+    known.functions[:] = one.functions
+    return known
 
 
 def takes_any_system(*protocols: Any) -> Callable[[Any], Any]:
@@ -270,6 +297,21 @@ def call_protocol(system, place, arguments):
         arguments[-1][0] = np.nan
         return np.nan
     return call_at(address, system.address, arguments)
+
+
+def of_parts(protocol: Any, *kinds: Any) -> int:
+    """As `by_address`, of parts of a scene, which need not implement it; then it returns 0."""
+    place = by_address(protocol, *kinds)
+
+    def call(part, *arguments):
+        address = part.functions[place]
+        return call_at(address, part.address, arguments) if address != 0 else 0.0
+
+    def call_itself(part, *arguments):
+        return protocol(part.address, *arguments) if part.functions[place] else 0.0
+
+    protocol.register(Called)(call_itself if numba.config.DISABLE_JIT else inlined_kernel(call))
+    return place
 
 
 _SERVED = {index_reduced_rates: accelerate, accelerate_and_project: accelerate}

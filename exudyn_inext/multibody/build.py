@@ -7,16 +7,21 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array, copy_of
+from ..called_system import Called, behind, called_as, called_part
 from .build_joints import build_joints
 from .build_nodes import Ends, ends_of_cables
 from .cables import Cables, provide_cables, provide_damping, show_matrix
+from .circle_contacts import add_contacts, check_friction
 from .dashpots import rows_of_dashpots
-from .implicit_contacts import add_contact, mark_implicit
+from .implicit_contacts import add_contact, complete_contacts, mark_implicit, press, reconsider_contacts
 from .ramps import ramps_of
+from .rare_points import move_rare_points, place_rare_points
 from .rows import ROW
 from .scene import Items, SceneSystem
-from .sliding import span_chains
-from .trees import trees_of
+from .sliding import Sliders, span_chains
+from .trees import Trees
+
+_OF_CONTACTS = add_contacts, check_friction, press, complete_contacts, reconsider_contacts
 
 FunctionOfTime = Callable[[Sequence[float]], Array]
 """Times (T,) [s] -> (T, 3) numbers that depend on the time alone."""
@@ -24,17 +29,21 @@ FunctionOfTime = Callable[[Sequence[float]], Array]
 
 @dataclass(frozen=True, eq=False)
 class KnownItems:
-    """All but the cables: records, and functions of time that rows refer to, three numbers each."""
+    """All but the cables: records, and functions of time that rows refer to, three numbers each.
+
+    data: see `Items`, at the start.
+    """
 
     bodies: Any
     links: Any
     points: Any
-    sliders: Any
+    sliders: Sliders
     rows: Any
     connectors: Any
     linear_forces: Any
     loads: Any
     contacts: Any
+    data: Array
     functions: Sequence[FunctionOfTime]
 
 
@@ -67,16 +76,25 @@ def build_scene(
         provide_damping(cables, chains)
     if implicit:
         provide_cables(cables, chains, add_contact)
-    acting = known.connectors, known.linear_forces, known.loads, known.contacts
-    trees = trees_of(known.links, known.bodies, known.points)
-    records = known.bodies, known.links, trees, known.points, known.sliders, *acting
-    ramps = ramps_of(known.connectors, known.linear_forces, known.loads, known.points)
-    items = Items(*records, ramps, joints, force, given, predicted, path, np.zeros(2, np.int64))
+    trees, sliders, contacts = _called_parts(known, cables)
+    acting = known.connectors, known.linear_forces, known.loads
+    records = known.bodies, trees, known.points, sliders, *acting, contacts, known.data, known.data[:1].copy()
+    memory = force, given, predicted, path, np.zeros(3, np.int64)
+    items = Items._make((*records, ramps_of(*acting, known.points), joints, *memory))
     number = places[-1].stop if places else 0
     ahead = np.repeat(cables.inputs[:-1] - cables.dofs[:-1], np.diff(cables.dofs))  # motions of those before
     of_cables = np.zeros(cables.inputs[-1]), np.arange(number) + ahead
     unjoined, left = np.zeros((2, size))
     return SceneSystem(cables, number, *of_cables, unjoined, left, items, zeta)
+
+
+def _called_parts(known: KnownItems, cables: Cables) -> tuple[Called, ...]:
+    """Trees, sliders and contacts."""
+    trees = Trees(known.links, known.bodies, known.points)
+    sliders = known.sliders._replace(points=known.points)
+    contacts = known.contacts._replace(points=known.points, cables=cables)
+    placed = (called_part(one, place_rare_points, move_rare_points) for one in (trees, sliders))
+    return *placed, called_part(contacts, *_OF_CONTACTS)
 
 
 def with_dashpots(
@@ -94,16 +112,17 @@ def with_dashpots(
     holding = len(joints.rows)
     rows = np.zeros(holding + len(dashpots), ROW)
     rows[:holding], rows[holding:] = joints.rows, dashpots
-    span_chains(items.sliders, items.points)
+    sliders = behind(items.sliders)
+    span_chains(sliders)
     given = places, items.bodies, items.points, rows, drift_correction, still
-    built = build_joints(*given, _ends(chains, places, items.sliders), holding)
+    built = build_joints(*given, _ends(chains, places, sliders), holding)
     if len(built.nodes.dof):
         provide_cables(system.cables, chains, show_matrix)
     provide_damping(system.cables, chains)
     return system._replace(items=items._replace(joints=built))
 
 
-def _ends(chains: Sequence[Any], places: Sequence[slice], sliders: Any) -> Ends:
+def _ends(chains: Sequence[Any], places: Sequence[slice], sliders: Sliders) -> Ends:
     """Of cables whose nodes can be unknowns."""
     return _without(ends_of_cables(chains, places), places, sliders.records["first"].tolist())
 
@@ -125,8 +144,18 @@ def _without(ends: Ends, places: Sequence[slice], firsts: Sequence[int]) -> Ends
     return ends._replace(of_cables=kept)
 
 
-def copied(memory: Any) -> Any:
-    """The same named tuple of such tuples and arrays, with copies of its arrays."""
+def copied(memory: Any, copies: dict[int, Any]) -> Any:
+    """The same named tuple of such tuples and arrays, with copies of its arrays, and of what is called.
+
+    copies: by identity, what takes the place of an array or a tuple; copies of arrays are added.
+    """
+    if id(memory) in copies:
+        return copies[id(memory)]
+    if isinstance(memory, Called):
+        return called_as(memory, copied(behind(memory), copies))
+    if isinstance(memory, np.ndarray):
+        copies[id(memory)] = copy_of(memory)
+        return copies[id(memory)]
     if not isinstance(memory, tuple):
         return memory
-    return type(memory)(*[copy_of(one) if isinstance(one, np.ndarray) else copied(one) for one in memory])
+    return type(memory)(*[copied(one, copies) for one in memory])

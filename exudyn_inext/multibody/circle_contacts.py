@@ -16,15 +16,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array, record_type
-from ..called_system import has_nothing, implements
+from ..called_system import implements, of_parts
 from ..compiled import inlined, protocol
-from ..lowered import local_array
+from ..lowered import COUNT, VECTOR, local_array
 from .points import add_wrench
 
 NOW, START = range(2)  # data at present, and at the start of the step
 APART, STICKS = -2.0, 0.0  # what data say of a segment, besides the direction +-1 of its slip
 SHARE = 0.5 + 0.0625  # of h d, see `implicit_contacts`
-STEPS_BETWEEN = 16  # two looks at friction that lasts
 
 CONTACT = record_type(
     [
@@ -73,49 +72,36 @@ SEGMENT = record_type(
 
 
 class Contacts(NamedTuple):
-    """records, ends, segments: of all contacts.   data: (2, D) NOW and START, those of connectors, too.
+    """records, ends, segments: of all contacts.   data: see `Items`.   sums: see `native.friction_check`.
 
-    history: (intervals, D) output: data at the ends of intervals.
-    sums: see `native.friction_check`.   steps: (1,) since the beginning.
+    points, cables: of the scene.
     """
 
     records: Any
     ends: Any
     segments: Any
     data: Array
-    history: Array
     sums: Array
-    steps: np.ndarray
-
-
-class NoContacts(NamedTuple):
-    """Of a scene that has none: nothing of each."""
-
-    records: Any = np.zeros(0, CONTACT)
-    data: Array = np.zeros((2, 0))
-    history: Array = np.zeros((1, 0))
+    points: Any = None
+    cables: Any = None
 
 
 @protocol
-def add_contacts(contacts, points, q, v, a, settles, force):
+def add_contacts(contacts, q, v, a, settles, force):
     """Add the generalised forces of all contacts to force (n,); the points are placed and move.
 
     a: (n,) accelerations that v contains, where damping is implicit.
-    settles: whether data are brought up to date before.
+    settles: whether data are brought up to date before, 1 or 0.
     """
 
 
 @protocol
-def finish_contacts(contacts, left):
-    """The next step starts from the data of this one, which `history` keeps.   left: rows from its end."""
+def check_friction(contacts, weight):
+    """Look at friction at the end of a step.   weight: of what lasts, in steps; 0: it is not looked at."""
 
 
-@protocol
-def recall_contacts(contacts, row):
-    """Data are those of a row of `history`."""
-
-
-has_nothing(NoContacts, add_contacts, finish_contacts, recall_contacts)
+ADDING = of_parts(add_contacts, VECTOR, VECTOR, VECTOR, COUNT, VECTOR)
+of_parts(check_friction, COUNT)
 
 
 @inlined
@@ -397,8 +383,8 @@ def _any_touches(contact, circle, ends, segments, data):
 
 
 @implements(add_contacts, Contacts)
-def add_circle_contacts(contacts, points, q, v, a, settles, force):
-    data = contacts.data
+def add_circle_contacts(contacts, q, v, a, settles, force):
+    points, data = contacts.points, contacts.data
     for c in range(len(contacts.records)):
         contact = contacts.records[c]
         circle, first, number = points[contact.circle], contact.first, contact.segments
@@ -433,7 +419,7 @@ def _check_segment(contact, segment, weight, closes, state, sums):
 
 @inlined
 def _check(contact, segments, data, weight, sums):
-    """Look at friction at the end of a step.   weight: of what lasts, in steps; 0: it is not looked at."""
+    """Of one contact, see `check_friction`."""
     lasts = False
     for s in range(contact.segments):
         at = contact.place + contact.segments + s
@@ -446,21 +432,10 @@ def _check(contact, segments, data, weight, sums):
         sums[3] += 1.0
 
 
-@implements(finish_contacts, Contacts)
-def finish_circle_contacts(contacts, left):
-    data, row = contacts.data, len(contacts.history) - left
-    contacts.steps[0] += 1
-    weight = STEPS_BETWEEN if contacts.steps[0] % STEPS_BETWEEN == 0 else 0
+@implements(check_friction, Contacts)
+def check_friction_on_circles(contacts, weight):
     for c in range(len(contacts.records)):
         contact = contacts.records[c]
         if contact.checked >= 0:
             segments = contacts.segments[contact.first : contact.first + contact.segments]
-            _check(contact, segments, data, weight, contacts.sums[contact.checked])
-    for i in range(data.shape[1]):
-        data[START, i] = contacts.history[row, i] = data[NOW, i]
-
-
-@implements(recall_contacts, Contacts)
-def recall_circle_contacts(contacts, row):
-    for i in range(contacts.data.shape[1]):
-        contacts.data[NOW, i] = contacts.history[row, i]
+            _check(contact, segments, contacts.data, weight, contacts.sums[contact.checked])

@@ -27,11 +27,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array, record_type
-from ..called_system import has_nothing, implements
+from ..called_system import implements
 from ..compiled import inlined
 from ..lowered import local_array
 from .cables import one_chain, provides
-from .circle_contacts import add_contacts, combine, finish_contacts, recall_contacts
+from .circle_contacts import add_contacts, combine
 from .implicit_contacts import (
     AGAIN,
     CONTACT,
@@ -42,7 +42,6 @@ from .implicit_contacts import (
     reconsider_contacts,
 )
 from .points import add_wrench
-from .scene import press_as_joined, press_circles_as_joined, settle_contacts
 
 POINTS = 3  # of a part
 OFF = 0.1  # of the force that presses, by which friction may follow from another one
@@ -106,8 +105,7 @@ PART = record_type(
 class GeneralContacts(NamedTuple):
     """records: PAIR, those of an element one after the other.   elements, ends: of all.
 
-    parts: memory.   number: (1,) how many there are at present.
-    data, history: of what is remembered: nothing.
+    parts: memory.   number: (1,) how many there are at present.   points, cables: of the scene.
     """
 
     records: Any
@@ -115,8 +113,8 @@ class GeneralContacts(NamedTuple):
     ends: Any
     parts: Any
     number: np.ndarray
-    data: Array
-    history: Array
+    points: Any = None
+    cables: Any = None
 
 
 def general_contacts(records: Any, elements: Any, weights: Array) -> GeneralContacts:
@@ -125,8 +123,7 @@ def general_contacts(records: Any, elements: Any, weights: Array) -> GeneralCont
     ends["weights"] = weights
     pairs = elements["pairs"][:, 1] - elements["pairs"][:, 0]
     parts = np.zeros(int((elements["segments"] * pairs).sum()), PART)
-    nothing = np.zeros((2, 0)), np.zeros((1, 0))
-    return GeneralContacts(records, elements, ends, parts, np.zeros(1, np.int64), *nothing)
+    return GeneralContacts(records, elements, ends, parts, np.zeros(1, np.int64))
 
 
 @inlined
@@ -298,8 +295,8 @@ def _touch(contacts, c, circle, element, ends, a, force):
 
 
 @implements(add_contacts, GeneralContacts)
-def add_general_contacts(contacts, points, q, v, a, settles, force):
-    contacts.number[0] = 0
+def add_general_contacts(contacts, q, v, a, settles, force):
+    contacts.number[0], points = 0, contacts.points
     for e in range(len(contacts.elements)):
         element, moves = contacts.elements[e], False
         ends = contacts.ends[element.first : element.first + element.segments + 1]
@@ -374,18 +371,19 @@ def _reconsider_part(part, pair, circle, a, force):
 
 
 @implements(reconsider_contacts, GeneralContacts)
-def reconsider_general_contacts(contacts, points, a, force):
-    changed = False
+def reconsider_general_contacts(contacts, a, force):
+    changed, points = 0.0, contacts.points
     for k in range(contacts.number[0]):
         part = contacts.parts[k]
         pair = contacts.records[part.pair]
         if pair.lag > 0.0 and _reconsider_part(part, pair, points[pair.circle], a, force):
-            changed = True
+            changed = 1.0
     return changed
 
 
 @implements(complete_contacts, GeneralContacts)
-def complete_general_contacts(contacts, points, a, force):
+def complete_general_contacts(contacts, a, force):
+    points = contacts.points
     for k in range(contacts.number[0]):
         part = contacts.parts[k]
         pair = contacts.records[part.pair]
@@ -398,7 +396,8 @@ def complete_general_contacts(contacts, points, a, force):
 
 
 @implements(press, GeneralContacts)
-def press_by_general_contacts(contacts, cables, again):
+def press_by_general_contacts(contacts, again):
+    cables = contacts.cables
     for k in range(len(cables.functions)):
         if provides(cables, k, CONTACT):
             _press_chain(one_chain(cables, k), contacts, cables.dofs[k], cables.dofs[k + 1], again)
@@ -437,7 +436,3 @@ def _press_point(chain, element, point, across, along, row):
                 row[0, 2 * k] = point.weights[k] * x
                 row[0, 2 * k + 1] = point.weights[k] * y
             add_contact(chain, element, mass, row[0])
-
-
-press_as_joined.register(GeneralContacts)(press_circles_as_joined)
-has_nothing(GeneralContacts, finish_contacts, recall_contacts, settle_contacts)  # they have no data

@@ -23,11 +23,11 @@ from ..cable.axial import take_back
 from ..cable.contact_mass import add_contact_row, clear_contact_mass
 from ..cable.index_reduction import CableSystem
 from ..cable.linked_cable import LinkedCableSystem
-from ..called_system import by_address, call_protocol, calls, has_nothing, implements
+from ..called_system import by_address, call_protocol, calls, implements, of_parts
 from ..compiled import inlined, optional, protocol
 from ..lowered import COUNT, REAL, VECTOR, local_array
 from .cables import Cables, one_chain, provides
-from .circle_contacts import NOW, Contacts, NoContacts, add_end, pull_by_masses
+from .circle_contacts import NOW, Contacts, add_end, pull_by_masses
 
 NOTHING, AGAIN = -1, -2
 
@@ -82,43 +82,36 @@ def add_contact_of_cable(system, element, mass, row):
 
 
 @protocol
-def press(contacts, cables, again):
+def press(contacts, again):
     """Set the masses of contact beside those of the cables, after `add_contacts`.
 
-    again: whether the cables have been accelerated in this state before, by other contacts, in a step.
+    again: 1 if the cables have been accelerated in this state before, by other contacts, in a step; or 0.
     """
 
 
 @protocol
-def complete_contacts(contacts, points, a, force):
+def complete_contacts(contacts, a, force):
     """Add to force (n,) what the accelerations a (n,) of the cables do to implicit contact."""
 
 
 @protocol
-def reconsider_contacts(contacts, points, a, force):
-    """Whether other contacts act at the velocities to come; if so, force (n,) is theirs, and `press` is due.
+def reconsider_contacts(contacts, a, force):
+    """1 if other contacts act at the velocities to come, or 0; then force (n,) is theirs, and `press` is due.
+
+    Circles have none: they act as long as they touch, whether they press or pull.
 
     a: (n,) accelerations of the cables, by those that act at present.
     """
 
 
-@implements(reconsider_contacts, NoContacts)
-def reconsider_nothing(contacts, points, a, force):
-    """Nothing touches."""
-    return False
-
-
-@implements(reconsider_contacts, Contacts)
-def reconsider_circle_contacts(contacts, points, a, force):
-    """They act as long as they touch, whether they press or pull."""
-    return False
-
-
-has_nothing(NoContacts, press, complete_contacts)
+of_parts(press, COUNT)
+of_parts(complete_contacts, VECTOR, VECTOR)
+of_parts(reconsider_contacts, VECTOR, VECTOR)
 
 
 @implements(press, Contacts)
-def press_cables(contacts, cables, again):
+def press_cables(contacts, again):
+    cables = contacts.cables
     for k in range(len(cables.functions)):
         if provides(cables, k, CONTACT):
             _press_chain(one_chain(cables, k), contacts, cables.dofs[k], cables.dofs[k + 1])
@@ -153,11 +146,11 @@ def _press_element(chain, element, contacts, contact, end, row):
 
 
 @implements(complete_contacts, Contacts)
-def complete_circle_contacts(contacts, points, a, force):
+def complete_circle_contacts(contacts, a, force):
     for c in range(len(contacts.records)):
         contact = contacts.records[c]
         if contact.lag > 0.0:
             first, number = contact.first, contact.segments
             segments, ends = contacts.segments[first : first + number], contacts.ends[first + c :]
-            circle = points[contact.circle]
+            circle = contacts.points[contact.circle]
             pull_by_masses(contact, circle, ends[: number + 1], segments, contacts.data, a, force)

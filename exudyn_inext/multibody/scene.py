@@ -15,8 +15,8 @@ from ..called_system import (
     by_address,
     call_protocol,
     calls,
-    has_nothing,
     implements,
+    of_parts,
 )
 from ..compiled import called_kernel, inlined, inlined_kernel, kernel, protocol
 from ..integrators.integrator import LoadHistory, advance, external_force
@@ -54,7 +54,7 @@ from .cables import (
     one_chain,
     respond_with_cables,
 )
-from .circle_contacts import Contacts, NoContacts, add_contacts, finish_contacts, recall_contacts
+from .circle_contacts import ADDING, NOW, START, add_contacts, check_friction
 from .connectors import add_connectors
 from .dashpots import aim_dashpots
 from .implicit_contacts import complete_contacts, press, reconsider_contacts
@@ -77,37 +77,41 @@ from .linear_forces import add_linear_forces
 from .loads import add_loads
 from .points import move_points, place_points
 from .ramps import Ramps, follow_ramps
+from .rare_points import move_rare_points, place_rare_points
 from .rows import move_rows
-from .sliding import move_sliders, place_sliders
-from .trees import move_trees, place_trees
 
 NOT_COUNTED, EACH, ALL_BUT_FIRST = range(3)  # evaluations whose work is counted
 SETTLING, AS_PRESSED = 3, 4  # contact settles, or stays in the cables' matrices as it is
-MODE, EVALUATION = range(2)
+MODE, EVALUATION, STEP = range(3)
 TURNED = 300.0  # angle in a run up to which all of a spin counts [rad]
+STEPS_BETWEEN = 16  # two looks at friction that lasts
 TRIALS = 4  # solves in one evaluation, until those contacts act that press
 
 
 class Items(NamedTuple):
     """All but the cables: records, and memory.
 
-    bodies, links, points, connectors, linear_forces, loads: records.   trees: of links, called by address.
-    sliders, contacts, ramps, joints: see `Sliders`, `Contacts`, `Ramps`, `Joints`.
+    bodies, points, connectors, linear_forces, loads: records.
+    trees, sliders, contacts: what most scenes do not have, called by address.
+    data: (2, D) what contacts and connectors remember, NOW and from the START of the step.
+    history: (intervals, D) output: data at the ends of intervals.
+    ramps, joints: see `Ramps`, `Joints`.
     force: (n,) what connectors, contacts and loads do to all coordinates [N, Nm].
     given: (n,) what others do.   predicted: (n,) velocities at which they act.
-    path: memory of their work, see `scene.path_work`.   counting: (2,) MODE and EVALUATION: in which
-        evaluations it is counted, and the number of the present one in its step.
+    path: memory of their work, see `scene.path_work`.   counting: (3,) MODE, EVALUATION and STEP: in which
+        evaluations it is counted, and the numbers of the present one in its step, and of that.
     """
 
     bodies: Any
-    links: Any
     trees: Called
     points: Any
-    sliders: Any
+    sliders: Called
     connectors: Any
     linear_forces: Any
     loads: Any
-    contacts: Any
+    contacts: Called
+    data: Array
+    history: Array
     ramps: Ramps
     joints: Joints
     force: Array
@@ -147,8 +151,8 @@ def _count_work(items, q):
 @inlined
 def _move_points(items, q, v):
     move_points(items.points, items.bodies, q, v)
-    move_trees(items.trees, v)
-    move_sliders(items.sliders, items.points, q, v)
+    move_rare_points(items.trees, q, v)
+    move_rare_points(items.sliders, q, v)
 
 
 @inlined
@@ -159,8 +163,8 @@ def _place(items, q, v):
         set_normal(body)
         move_body(body, q, v)
     place_points(items.points, items.bodies, q)
-    place_trees(items.trees, q)
-    place_sliders(items.sliders, items.points, q)
+    place_rare_points(items.trees, q)
+    place_rare_points(items.sliders, q)
     _move_points(items, q, v)
 
 
@@ -177,26 +181,28 @@ def act(items, functions, q, v, a):
     for i in range(len(items.force)):
         items.force[i] = items.given[i]
     settles = items.counting[MODE] == EACH or items.counting[MODE] == SETTLING
-    add_connectors(items.connectors, items.points, items.contacts.data, settles, items.force)
+    add_connectors(items.connectors, items.points, items.data, settles, items.force)
     add_linear_forces(items.linear_forces, q, v, items.force)
-    add_contacts(items.contacts, items.points, q, v, a, settles, items.force)
+    add_contacts(items.contacts, q, v, a, 1 if settles else 0, items.force)
     add_loads(items.loads, items.points, functions, items.force)
     move_rows(items.joints.rows, functions)
 
 
 @protocol
-def settle_contacts(contacts, items, q, v):
+def settle_contacts(system, q, v):
     """Bring the data of contacts and connectors up to date with a state (q, v) at the end of a step."""
 
 
-has_nothing(NoContacts, settle_contacts)
+of_parts(settle_contacts, VECTOR, VECTOR)
 
 
-@implements(settle_contacts, Contacts)
-def settle_circle_contacts(contacts, items, q, v):
-    _place(items, q, v)
-    add_connectors(items.connectors, items.points, contacts.data, True, items.predicted)
-    add_contacts(contacts, items.points, q, v, v, True, items.predicted)
+@implements(settle_contacts, SceneSystem)
+def settle_scene(system, q, v):
+    items = system.items
+    if items.counting[MODE] == ALL_BUT_FIRST:
+        _place(items, q, v)
+        add_connectors(items.connectors, items.points, items.data, True, items.predicted)
+        add_contacts(items.contacts, q, v, v, 1, items.predicted)
 
 
 @called_kernel
@@ -290,24 +296,17 @@ def _accelerate_joined(system, q, v, zeta, learned, acceleration, duration, end_
         _add_joined(joints, added, duration, acceleration, end_velocity)
 
 
-@protocol
-def press_as_joined(contacts, system, acceleration, duration, end_velocity):
+@inlined
+def _press_as_joined(system, acceleration, duration, end_velocity):
     """Let circles feel what joints do to cables by implicit contact, see `complete_contacts`.
 
     They feel what the cables do without joints before; the arguments are those of `_join_step`.
     """
-
-
-has_nothing(NoContacts, press_as_joined)
-
-
-@implements(press_as_joined, Contacts)
-def press_circles_as_joined(contacts, system, acceleration, duration, end_velocity):
     items, left, added = system.items, system.left, system.items.predicted
     for i in range(len(left)):
         added[i] = acceleration[i] - system.unjoined[i]
         left[i] = 0.0
-    complete_contacts(contacts, items.points, added, left)
+    complete_contacts(items.contacts, added, left)
     largest = 0.0
     for i in range(len(left)):
         largest = max(largest, abs(left[i]))
@@ -328,8 +327,8 @@ def _join_step(system, q, v, duration, stabilises, acceleration, rate):
     for i in range(len(q)):
         system.unjoined[i] = acceleration[i]
     _accelerate_joined(system, q, v, zeta, 1.0 - stabilises, acceleration, duration, rate)
-    if not stabilises:
-        press_as_joined(items.contacts, system, acceleration, duration, rate)
+    if not stabilises and items.contacts.functions[ADDING] != 0:
+        _press_as_joined(system, acceleration, duration, rate)
     subtract_forces_of_dashpots(items.joints, items.force)
     _join(items.joints, zeta, 1.0, rate, True)
 
@@ -342,15 +341,15 @@ def _accelerate_parts(system, external, q, v, duration, stabilises, acceleration
     for trial in range(TRIALS):
         _set_cable_force(system, external)
         if not is_pressed:
-            press(items.contacts, system.cables, trial > 0 and duration > 0.0)
+            press(items.contacts, 1 if trial > 0 and duration > 0.0 else 0)
         accelerate_cables(system.cables, system.cable_force, q, v, duration, stabilises, acceleration, rate)
         is_last = is_pressed or trial == TRIALS - 1
-        if is_last or not reconsider_contacts(items.contacts, items.points, acceleration, items.force):
+        if is_last or reconsider_contacts(items.contacts, acceleration, items.force) == 0.0:
             break
         for i in range(system.cable_dofs if duration > 0.0 else 0):
             acceleration[i] = (items.predicted[i] - v[i]) / duration
     if not stabilises:
-        complete_contacts(items.contacts, items.points, acceleration, items.force)
+        complete_contacts(items.contacts, acceleration, items.force)
 
 
 @accelerates(SceneSystem)
@@ -387,8 +386,8 @@ def _correct_items(items, functions, q, learning, correction):
             correction[body.first + i] = 0.0
         add_lever(body, correction[body.first :])
     place_points(items.points, items.bodies, q)
-    place_trees(items.trees, q)
-    place_sliders(items.sliders, items.points, q)
+    place_rare_points(items.trees, q)
+    place_rare_points(items.sliders, q)
     move_rows(joints.rows, functions)
     set_values(joints, items.points)
     for r in range(len(joints.value)):
@@ -441,7 +440,7 @@ def report_energy_of_scene(system, external, q, v, a, force, energy_report):
 def bodies_energy(bodies, trees, q, v):
     """Kinetic energy [J] of velocities v (n,) at q (n,)."""
     total = 0.0
-    place_trees(trees, q)
+    place_rare_points(trees, q)
     for b in range(len(bodies)):
         body = bodies[b]
         place_body(body, q)
@@ -479,8 +478,8 @@ def leave_out_turns(bodies, way):
 @kernel
 def subtract_inertia_forces(bodies, trees, q, v, force):
     """Take those of all bodies that move with v (n,) at q (n,) off the forces (n,)."""
-    place_trees(trees, q)
-    move_trees(trees, v)
+    place_rare_points(trees, q)
+    move_rare_points(trees, q, v)
     for b in range(len(bodies)):
         body = bodies[b]
         place_body(body, q)
@@ -495,8 +494,8 @@ def joint_violation(bodies, trees, points, sliders, joints, functions, q):
     for b in range(len(bodies)):
         place_body(bodies[b], q)
     place_points(points, bodies, q)
-    place_trees(trees, q)
-    place_sliders(sliders, points, q)
+    place_rare_points(trees, q)
+    place_rare_points(sliders, q)
     set_values(joints, points)
     return largest_value(joints, 0.0)
 
@@ -528,9 +527,12 @@ def finish_step_of_scene(system, q, v, left, total):
     items = system.items
     if items.counting[MODE] == ALL_BUT_FIRST:
         follow(total.reshape(items.path.shape), q, items.force)
-        settle_contacts(items.contacts, items, q, v)
-    finish_contacts(items.contacts, left)
     items.counting[EVALUATION] = 0
+    items.counting[STEP] += 1
+    check_friction(items.contacts, STEPS_BETWEEN if items.counting[STEP] % STEPS_BETWEEN == 0 else 0)
+    row = len(items.history) - left
+    for i in range(items.data.shape[1]):
+        items.data[START, i] = items.history[row, i] = items.data[NOW, i]
     return 1.0 if len(items.joints.rows) > 0 and items.joints.dependent[0] >= 0 else 0.0
 
 
@@ -556,6 +558,7 @@ def take_steps(scheme, system, loads, state, h, done, in_interval, history, tota
         one = LoadHistory(loads.constant, loads.pattern, loads.factor[step : step + 1], loads.work)
         interval = (done + step) // in_interval
         advance(scheme, system, one, state, h, 1, history[interval : interval + 1])
+        settle_contacts(system, state.q, state.v)
         if finish_step(system, state.q, state.v, len(history) - interval, total.reshape(-1)) > 0.0:
             break
 
@@ -573,7 +576,8 @@ def evaluate_states(system, items, loads, history, multipliers, forces, external
     for k in range(len(history)):
         q, v, a = history[k, 0], history[k, 1], history[k, 2]
         external_force(loads, k, 0, external)
-        recall_contacts(items.contacts, k)
+        for i in range(items.data.shape[1]):
+            items.data[NOW, i] = items.history[k, i]
         accelerate_and_project(system, external, q, v, 0.0, a, rate)
         for r in range(multipliers.shape[1]):
             multipliers[k, r] = joints.multipliers[r]

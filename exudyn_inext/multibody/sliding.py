@@ -19,9 +19,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array, record_type
-from ..called_system import has_nothing, implements
-from ..compiled import inlined, protocol
+from ..called_system import implements
+from ..compiled import inlined
 from .points import cross, dot
+from .rare_points import move_rare_points, place_rare_points
 
 CLOSE = 1e-13  # of the place to the foot, relative to the length of an element
 MOST_STEPS = 30  # of Newton's method, besides those from element to element
@@ -55,36 +56,21 @@ PLACE = ("segment", "x", "length")  # from which the next foot is looked for
 
 
 class Sliders(NamedTuple):
-    """records: of all of them.   lengths: of their elements, one chain after the other [m]."""
+    """records: of all of them.   lengths: of their elements, one chain after the other [m].
+
+    points: of the scene.
+    """
 
     records: Any
     lengths: Array
+    points: Any = None
 
 
-class NoSliders(NamedTuple):
-    """Of a scene that has none."""
-
-    records: Any = np.zeros(0, SLIDER)
-
-
-def span_chains(sliders, points):
+def span_chains(sliders):
     """Let coordinates of its whole chain belong to each point that slides, until it is placed again."""
-    records = sliders.records
+    records, points = sliders.records, sliders.points
     points["first"][records["point"]] = records["first"]
     points["width"][records["point"]] = 2 * records["dimension"] * (records["elements"] + 1)
-
-
-@protocol
-def place_sliders(sliders, points, q):
-    """Places, frames and Jacobians at q (n,); all other points are placed."""
-
-
-@protocol
-def move_sliders(sliders, points, q, v):
-    """Velocities at (q, v), (n,) each, accelerations with those of the coordinates zero; all points move."""
-
-
-has_nothing(NoSliders, place_sliders, move_sliders)
 
 
 @inlined
@@ -171,8 +157,10 @@ def _find_foot(slider, lengths, point, p, q):
             slider.x, slider.length = 0.0, lengths[slider.lengths + slider.segment]
 
 
-@implements(place_sliders, Sliders)
-def place_all_sliders(sliders, points, q):
+@implements(place_rare_points, Sliders)
+def place_sliders(sliders, q):
+    """Feet on the chains."""
+    points = sliders.points
     for k in range(len(sliders.records)):
         slider = sliders.records[k]
         point = points[slider.point]
@@ -229,9 +217,10 @@ def _turn_with_slope(slider, point):
         point.spin_rate[i] = cross(t, change, i) + twist_rate * t[i] + twist * rate[i]
 
 
-@implements(move_sliders, Sliders)
-def move_all_sliders(sliders, points, q, v):
-    """Arguments: see `move_sliders`; velocities at a fixed s are set."""
+@implements(move_rare_points, Sliders)
+def move_sliders(sliders, q, v):
+    """Feet on the chains; velocities at a fixed s are set."""
+    points = sliders.points
     for k in range(len(sliders.records)):
         slider = sliders.records[k]
         point = points[slider.point]

@@ -5,7 +5,7 @@ about that centre, and the parts a_0 and w_0 of its accelerations with those of 
 
     M q_tt = f - h,    M = sum of m J^T J + J_w^T I J_w,    h = sum of J^T m a_0 + J_w^T (I w_0 + w x I w).
 
-See Exudyn's ObjectKinematicTree. Scenes call them by address: most have none.
+See Exudyn's ObjectKinematicTree.
 """
 
 from typing import Any, NamedTuple
@@ -13,20 +13,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import record_type
-from ..called_system import (
-    MOST_PROTOCOLS,
-    Called,
-    by_address,
-    call_protocol,
-    called,
-    calls,
-    implements,
-    provide,
-)
-from ..compiled import inlined, protocol
-from ..lowered import VECTOR
+from ..called_system import implements
+from ..compiled import inlined
 from .bodies import MOST
 from .points import ON_LINK, cross, swing
+from .rare_points import move_rare_points, place_rare_points
 
 LINK = record_type(
     [
@@ -58,36 +49,11 @@ LINK = record_type(
 
 
 class Trees(NamedTuple):
-    """Records: links of all trees, and bodies and points of the scene."""
+    """records: links, the first one of them the ground.   bodies, points: records of the scene."""
 
-    links: Any
+    records: Any
     bodies: Any
     points: Any
-
-
-@protocol
-def place_trees(trees, q):
-    """Frames and masses at q (n,), and points on links, `local` from the centre of mass."""
-
-
-@protocol
-def move_trees(trees, v):
-    """Rates at the velocities v (n,), h, and accelerations of points with those of the coordinates zero."""
-
-
-PLACING, MOVING = by_address(place_trees, VECTOR), by_address(move_trees, VECTOR)
-
-
-@calls(place_trees)
-def place_called_trees(trees, q):
-    if trees.functions[PLACING] != 0:
-        call_protocol(trees, PLACING, (q,))
-
-
-@calls(move_trees)
-def move_called_trees(trees, v):
-    if trees.functions[MOVING] != 0:
-        call_protocol(trees, MOVING, (v,))
 
 
 @inlined
@@ -266,9 +232,10 @@ def _place_on_link(point, link):
             point.along[i, k] = link.along[i, k] + cross(link.about[:, k], point.x[2], i)
 
 
-@implements(place_trees, Trees)
-def place_all_trees(trees, q):
-    links, points = trees.links, trees.points
+@implements(place_rare_points, Trees)
+def place_trees(trees, q):
+    """Frames and masses of links, and points on them, `local` from the centre of mass."""
+    links, points = trees.records, trees.points
     _place_links(links, trees.bodies, q)
     for p in range(len(points)):
         if points[p].kind == ON_LINK:
@@ -288,20 +255,11 @@ def _move_on_link(point, link, v):
         point.x[2, i] = link.x[1, i] + swing(link.spin, link.spin_rate, arm, i)
 
 
-@implements(move_trees, Trees)
-def move_all_trees(trees, v):
-    links, points = trees.links, trees.points
+@implements(move_rare_points, Trees)
+def move_trees(trees, q, v):
+    """Rates of links, h, and points on them."""
+    links, points = trees.records, trees.points
     _move_links(links, trees.bodies, v)
     for p in range(len(points)):
         if points[p].kind == ON_LINK:
             _move_on_link(points[p], links[points[p].body], v)
-
-
-def trees_of(links: Any, bodies: Any, points: Any) -> Called:
-    """All trees of a scene, for its kernels.   links: none, or the ground and those of trees."""
-    if not len(links):
-        return Called(0, np.zeros(MOST_PROTOCOLS, np.int64))
-    system = Trees(links, bodies, points)
-    trees = called(system, place_trees, move_trees)
-    provide(trees.functions, system, place_trees, move_trees)
-    return trees

@@ -62,7 +62,7 @@ def compiled_form(
     chains = [system for system, _ in scene.groups]
     of_loads = LoadFunctions(numbers.functions)
     if not all(function.is_pure for function in numbers.functions):
-        of_loads = StateFunctions(numbers.functions, partial(_bring, scene, known.contacts))
+        of_loads = StateFunctions(numbers.functions, partial(_bring, scene, known.data))
     follows = has_forces and bool(step_functions(scene.mbs))
     acting = SceneLoads(loads, known.functions, numbers.moved, of_loads, follows)
     native = scene.system
@@ -81,11 +81,11 @@ def compiled_form(
     return form
 
 
-def _bring(scene: SceneOfExudyn, contacts: Any, t: float, q: Array, v: Array) -> None:
-    """Bring mbs to a state, with what these contacts remember, and distances of a GeneralContact there."""
+def _bring(scene: SceneOfExudyn, data: Array, t: float, q: Array, v: Array) -> None:
+    """Bring mbs to a state, with these data of contacts, and distances of a GeneralContact there."""
     scene.native_items.forget()
-    if contacts.data.shape[1]:
-        scene.mbs.systemData.SetDataCoordinates(contacts.data[0].tolist())
+    if data.shape[1]:
+        scene.mbs.systemData.SetDataCoordinates(data[0].tolist())
     scene.native_items.set_state(t, q, v)
     for contact in active_general_contacts(scene.mbs):
         contact.UpdateContacts(scene.mbs)
@@ -102,13 +102,12 @@ def require_agreement(
         UnknownItemError: they differ; the message says where.
     """
     wanted, found, external = [], [], form.loads.at(t)
-    states, contacts = _states(scene, q, v), form.contacts
-    remembered = contacts.data[0].copy()
+    states, remembered = _states(scene, q, v), form.data[0].copy()
     random = np.random.default_rng(1) if form.remembers else None
     for number, (at, rates) in enumerate(states):
         if number and random:
-            disturb(contacts, form.system.items.connectors, random)
-        scene.remember(contacts.data)
+            disturb(form.data, form.contacts.records, form.system.items.connectors, random)
+        scene.remember(form.data)
         if not form.remembers:  # else a GeneralContact does nothing, and nothing else may settle
             settle_general_contact(scene, t, at, rates)
         given = scene.native_items.act(t, at, rates)[scene.map.slices[-1]]
@@ -121,7 +120,7 @@ def require_agreement(
         wanted.append(_evaluated_by_exudyn(scene, t, at, rates, given, form.multipliers))
         if number and form.remembers:
             _compare_contacts(scene, form, t, at, rates)
-    contacts.data[:] = remembered
+    form.data[:] = remembered
     if not form.remembers:
         settle_general_contact(scene, t, q, v)
     parts, own_parts = (np.array([one[0] for one in side]) for side in (wanted, found))
@@ -219,7 +218,7 @@ def _compare_parts(scene: SceneOfExudyn, wanted: Array, found: Array, sizes: Arr
 def _compare_contacts(scene: SceneOfExudyn, form: CompiledScene, t: float, q: Array, v: Array) -> None:
     """What contacts remember once they have settled."""
     form.settle(t, q, v)
-    wanted, found = scene.native_items.settled(t, q, v), form.contacts.data[0]
+    wanted, found = scene.native_items.settled(t, q, v), form.data[0]
     scale = max(1.0, float(np.abs(wanted).max(initial=0.0)))
     if not (np.abs(wanted - found) <= TOLERANCE * scale).all():
         raise UnknownItemError("contact, which Exudyn settles otherwise")

@@ -13,7 +13,7 @@ from ..cable.axial_stiffness import set_step_of_means
 from ..cable.cable import Cable
 from ..cable.chain import Chain
 from ..cable.many_cables import Systems, cable_systems, in_few_chains
-from ..called_system import Bound, called, implements
+from ..called_system import Bound, behind, called, implements, provide
 from ..compiled import Prepared
 from ..errors import OffCableError, RedundantConstraintError
 from ..integrators.integrator import NO_WORK, LoadHistory
@@ -25,6 +25,7 @@ from ..multibody.scene import (
     ALL_BUT_FIRST,
     AS_PRESSED,
     EACH,
+    EVALUATION,
     MODE,
     NOT_COUNTED,
     SETTLING,
@@ -34,11 +35,11 @@ from ..multibody.scene import (
     finish_step,
     joint_violation,
     leave_out_turns,
+    settle_contacts,
     subtract_joint_forces,
     take_steps,
 )
 from ..multibody.sliding import BEYOND, PLACE
-from ..multibody.trees import trees_of
 from ..scene.redundant_rows import NOT_FINITE, dependent_rows, not_independent
 from ..system import (
     ACCELERATION_ENERGY,
@@ -239,8 +240,8 @@ class CompiledScene:
         self._memory = np.zeros(len(system.items.force)), np.zeros(REPORTED)
         self._subtract_joint_forces = Prepared(subtract_joint_forces)
         self.forces = system.items.force
-        self.given = system.items.given
-        self.history = self.contacts.history
+        self.given, self.data = system.items.given, system.items.data
+        self.history = system.items.history
 
     def _set(self, system: SceneSystem) -> None:
         self.system = system
@@ -263,13 +264,13 @@ class CompiledScene:
 
     @property
     def contacts(self) -> Any:
-        """See `Contacts`, `GeneralContacts` and `NoContacts`."""
-        return self.system.items.contacts
+        """See `Contacts` and `GeneralContacts`."""
+        return behind(self.system.items.contacts)
 
     @property
     def remembers(self) -> bool:
         """Whether contacts remember anything."""
-        return self.contacts.data.shape[1] > 0
+        return self.data.shape[1] > 0
 
     def settle(self, t: float, q: Array, v: Array) -> None:
         """Let what contacts remember at present agree with the state at t [s]."""
@@ -364,10 +365,11 @@ class CompiledScene:
 
     def begin_history(self, data: Array, intervals: int) -> None:
         """Begin intervals with what contacts remember.   data: (D,)."""
-        self.contacts.data[:] = data
-        if len(self.contacts.history) < intervals:
+        self.data[:] = data
+        if len(self.system.items.history) < intervals:
             self._set(_with_history(self.system, np.zeros((intervals, len(data)))))
-        self.history = self.contacts.history[len(self.contacts.history) - intervals :]
+        history = self.system.items.history
+        self.history = history[len(history) - intervals :]
 
     def take_over(self, item: ChangedItem, value: Any) -> bool:
         """Whether the changed item is now what it is in Exudyn; joints that are moved are not looked at."""
@@ -481,7 +483,10 @@ class CompiledScene:
         """
         items = self.system.items
         sampled = self.loads.sample(times, piece.time(done))
-        items.counting[:] = EACH if watch.has_one_evaluation else ALL_BUT_FIRST, 0
+        items.counting[MODE] = EACH if watch.has_one_evaluation else ALL_BUT_FIRST
+        items.counting[EVALUATION] = 0
+        if self.remembers and not watch.has_one_evaluation:
+            provide(self.called.functions, self.system, settle_contacts)
         where = piece.h, done, piece.in_interval, history
         self._take_steps(scheme, self.called, sampled, state, *where, watch.path, watch.before)
         items.counting[MODE] = NOT_COUNTED
@@ -495,7 +500,7 @@ class CompiledScene:
 
     def _require_on_cables(self) -> None:
         """Raise OffCableError if what slides has left its cable; it names the joint."""
-        sliders, rows = self.system.items.sliders.records, self.system.items.joints.rows
+        sliders, rows = behind(self.system.items.sliders).records, self.system.items.joints.rows
         for slider in sliders if len(sliders) else ():  # an empty array takes long to look through
             beyond = max(-slider.x, slider.x - slider.length)
             if beyond > BEYOND * slider.length:
@@ -505,7 +510,8 @@ class CompiledScene:
     @property
     def places(self) -> dict[str, Array]:
         """Where all that slides is on its cables, for the next steps, and how offsets are set, by names."""
-        places = {name: self.system.items.sliders.records[name] for name in PLACE}
+        sliders = behind(self.system.items.sliders).records
+        places = {name: sliders[name] for name in PLACE}
         return places | {"steered": self._moved.memory}
 
     @property
@@ -566,7 +572,7 @@ class CompiledScene:
             return
         for k, (t, (q, v, a)) in enumerate(zip(times.tolist(), history, strict=True)):
             if remembered is not None:
-                system.items.contacts.data[0] = remembered[k]
+                system.items.data[0] = remembered[k]
             external = self.loads.follow(self.loads.at(t), q, v)
             self._accelerate_unscaled(external, q, v, 0.0, a, rate)
             multipliers[k] = system.items.joints.multipliers[: multipliers.shape[1]]
@@ -580,15 +586,15 @@ class CompiledScene:
         self._stretching = [chain for chain in chains if chain.elements["axial"].size]
         own = cables_of_scene(groups, [loads for _, _, loads in self._cables])
         own.functions[:] = self.system.cables.functions
-        items, copies = self.system.items, copied(self.system.items)
-        copies.contacts.records["lag"] = 0.0
+        items = self.system.items
+        shared = {id(one): one for one in (getattr(items, name) for name in _CHANGING)}
+        copies = copied(items, {id(self.system.cables): own, **shared})
+        behind(copies.contacts).records["lag"] = 0.0
         copies.ramps.number[0] = 0
         copies.joints.drift_correction[:] = 0.0
         copies.joints.rows["lag"] = 0.0
         copies.bodies["drift_correction"] = 0.0
-        forces = {name: getattr(items, name) for name in _CHANGING}
-        trees = trees_of(copies.links, copies.bodies, copies.points)
-        return self.system._replace(cables=own, items=copies._replace(trees=trees, **forces))
+        return self.system._replace(cables=own, items=copies)
 
     def _joined_forces(self, system: SceneSystem) -> Array:
         """(n,) what items and joints did at the last evaluation of that system."""
@@ -690,8 +696,7 @@ def off_cable(name: str, beyond: float, at_start: bool) -> OffCableError:
 
 def _with_history(system: SceneSystem, history: Array) -> SceneSystem:
     """The same, with this memory of what contacts remember, (k, D)."""
-    contacts = system.items.contacts._replace(history=history)
-    return system._replace(items=system.items._replace(contacts=contacts))
+    return system._replace(items=system.items._replace(history=history))
 
 
 def _dependent(joints: Joints, names: Sequence[str]) -> RedundantConstraintError:

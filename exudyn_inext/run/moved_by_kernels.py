@@ -48,7 +48,7 @@ class MovedByKernels(Mover):
             self.asks = form.loads.of_state.name
         elif form.steered:
             self.asks = f"the function of {form.steered}, which reads what step functions may change"
-        self.given, self.data = form.given, form.contacts.data
+        self.given, self.data = form.given, form.data
         if self._may_damp:
             self.dofs_in_implicit_contact = form.dofs_in_implicit_contact
         self._foreseen = state.q.copy(), state.v.copy()  # at the end of a step

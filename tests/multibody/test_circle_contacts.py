@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from exudyn_inext.element.shape_functions import first_derivatives, shape_functions
+from exudyn_inext.multibody.cables import cables_in_a_row
 from exudyn_inext.multibody.circle_contacts import (
     CONTACT,
     END,
     SEGMENT,
     Contacts,
     add_circle_contacts,
-    finish_circle_contacts,
 )
 from exudyn_inext.multibody.points import POINT
 
@@ -18,10 +18,11 @@ pytestmark = pytest.mark.kernel
 RADIUS, DEPTH, LENGTH = 0.2, 1e-3, 1.0  # [m]
 STIFFNESS, FRICTION, VISCOSITY, BRISTLE = 1e4, 0.3, 2.0, 500.0
 PUSH = STIFFNESS * DEPTH
+NO_CABLES = cables_in_a_row([], [])
 
 
 def on_top(height=0.0, **changes):
-    """One segment along x on top of a fixed circle, from x = -0.4 m: contacts, point, coordinates."""
+    """One segment along x on top of a fixed circle, from x = -0.4 m: contacts and coordinates."""
     points = np.zeros(1, POINT)
     points["orientation"] = np.eye(3)
     record = np.zeros(1, CONTACT)
@@ -32,18 +33,17 @@ def on_top(height=0.0, **changes):
     ends = np.zeros(2, END)
     for end, xi in zip(ends, (0.0, 1.0), strict=True):
         end["weights"][:] = shape_functions(xi, LENGTH), first_derivatives(xi, LENGTH)
-    memory = np.zeros((2, 3)), np.zeros((1, 3)), np.zeros((0, 4)), np.zeros(1, np.int64)
-    memory[0][:] = [0.1, -2.0, 0.0]
+    data = np.tile([0.1, -2.0, 0.0], (2, 1))
     y = RADIUS - DEPTH - height
     q = np.array([-0.4, y, 1.0, 0.0, LENGTH - 0.4, y, 1.0, 0.0])
-    return Contacts(record, ends, np.zeros(1, SEGMENT), *memory), points, q
+    return Contacts(record, ends, np.zeros(1, SEGMENT), data, np.zeros((0, 4)), points, NO_CABLES), q
 
 
-def settle(contacts, points, q, v):
+def settle(contacts, q, v):
     """Forces on the cable (2,), and force and torque on the circle (3,), after it has settled."""
     force = np.zeros(8)
-    add_circle_contacts(contacts, points, q, v, v, True, force)
-    finish_circle_contacts(contacts, 1)
+    add_circle_contacts(contacts, q, v, v, 1, force)
+    contacts.data[1] = contacts.data[0]
     return force.reshape(4, 2)[::2].sum(axis=0), contacts.records["wrench"][0, [0, 1, 5]]
 
 
@@ -60,40 +60,40 @@ def test_what_slides_is_held_by_the_share_of_the_push(height):
 
 
 def test_what_sticks_is_held_by_its_way_and_its_speed():
-    contacts, points, q = on_top(friction_stiffness=BRISTLE)
-    on_cable, _ = settle(contacts, points, q, along(0.5))
+    contacts, q = on_top(friction_stiffness=BRISTLE)
+    on_cable, _ = settle(contacts, q, along(0.5))
     assert on_cable[0] == pytest.approx(-0.5 * VISCOSITY)
     q[::4] += 1e-3
-    on_cable, _ = settle(contacts, points, q, along(0.0))
+    on_cable, _ = settle(contacts, q, along(0.0))
     assert on_cable[0] == pytest.approx(-1e-3 * BRISTLE)
     q[::4] += 1e-2  # beyond the limit it slides, and remembers where it would stick
-    on_cable, _ = settle(contacts, points, q, along(0.0))
+    on_cable, _ = settle(contacts, q, along(0.0))
     assert on_cable[0] == pytest.approx(-FRICTION * PUSH)
     q[::4] -= 2e-3
-    on_cable, _ = settle(contacts, points, q, along(0.0))
+    on_cable, _ = settle(contacts, q, along(0.0))
     assert on_cable[0] == pytest.approx(-FRICTION * PUSH + 2e-3 * BRISTLE)
 
 
 def test_what_is_apart_is_left_alone_and_forgets():
-    contacts, points, q = on_top(friction_stiffness=BRISTLE)
-    settle(contacts, points, q, along(0.0))
+    contacts, q = on_top(friction_stiffness=BRISTLE)
+    settle(contacts, q, along(0.0))
     assert contacts.data[0, 1] == 0.0
     q[1::4] += 2.0 * DEPTH
-    on_cable, _ = settle(contacts, points, q, along(0.0))
+    on_cable, _ = settle(contacts, q, along(0.0))
     assert not on_cable.any()
     np.testing.assert_allclose(contacts.data[:, :2], [[DEPTH, -2.0]] * 2)
 
 
 def test_forces_do_the_work_that_the_gap_takes():
     """Of an inclined, curved element raised above its axis, without friction."""
-    contacts, points, q = on_top(0.03, friction=0.0, viscosity=0.0)
+    contacts, q = on_top(0.03, friction=0.0, viscosity=0.0)
     q += 0.05 * np.cos(np.arange(8.0))
     force, way, h = np.zeros(8), np.sin(1.0 + np.arange(8.0)), 1e-6
     contacts.data[:, 0] = -1.0  # as if it touched
-    add_circle_contacts(contacts, points, q, along(0.0), along(0.0), False, force)
+    add_circle_contacts(contacts, q, along(0.0), along(0.0), 0, force)
     gaps = []
     for side in (-h, h):
-        add_circle_contacts(contacts, points, q + side * way, along(0.0), along(0.0), False, np.zeros(8))
+        add_circle_contacts(contacts, q + side * way, along(0.0), along(0.0), 0, np.zeros(8))
         gaps.append(contacts.segments["gap"][0])
     energy = 0.5 * STIFFNESS * np.square(gaps)
     assert force @ way == pytest.approx(-np.diff(energy)[0] / (2.0 * h), rel=1e-6)

@@ -9,7 +9,7 @@ import numpy as np
 from ...arrays import Array
 from ...element.shape_functions import first_derivatives, shape_functions
 from ...items.arguments import described
-from ...multibody.circle_contacts import CONTACT, END, SEGMENT, Contacts, NoContacts
+from ...multibody.circle_contacts import CONTACT, END, SEGMENT, Contacts
 from ...multibody.connectors import RUBBING
 from ...multibody.rubbing_springs import DATA
 from ..contact_rates import WITH_CIRCLES
@@ -79,22 +79,22 @@ class ContactReader:
             self._weights_of[segments, length] = _weights(segments, length)
         self._weights.append(self._weights_of[segments, length])
 
-    def contacts(self, sums: Array, others: bool) -> Any:
-        """All of them, as they are at the start of a run.
-
-        sums: (checked, 4) memory, see `Contacts`.   others: whether connectors have data.
-        """
+    def data(self, others: bool) -> Array:
+        """(2, D) see `Items`, at the start of a run.   others: whether connectors have some."""
         if not (self._records or others):
-            return NoContacts()
+            return np.zeros((2, 0))
+        return np.array([self._mbs.systemData.GetDataCoordinates(exudyn.ConfigurationType.Initial)] * 2)
+
+    def contacts(self, sums: Array, data: Array) -> Contacts:
+        """All of them.   sums: (checked, 4) memory, data: see `Contacts`."""
         ends = np.zeros(sum(map(len, self._weights)), END)
         if self._records:
             ends["weights"] = np.concatenate(self._weights).transpose(0, 2, 1)
         segments = np.zeros(self._segments, SEGMENT)
-        data = np.array([self._mbs.systemData.GetDataCoordinates(exudyn.ConfigurationType.Initial)] * 2)
         records = np.zeros(len(self._records), CONTACT)
         for field in self._records[0] if self._records else ():
             records[field] = [one[field] for one in self._records]
-        return Contacts(records, ends, segments, data, data[:1].copy(), sums, np.zeros(1, np.int64))
+        return Contacts(records, ends, segments, data, sums)
 
 
 def _weights(segments: int, length: float) -> Array:
@@ -103,26 +103,27 @@ def _weights(segments: int, length: float) -> Array:
     return np.stack([shape_functions(xi, length), first_derivatives(xi, length)]).T
 
 
-def disturb(contacts: Any, connectors: Any, random: np.random.Generator) -> None:
+def disturb(data: Array, records: Any, connectors: Any, random: np.random.Generator) -> None:
     """Let data be those of random contacts, each with a segment that touches, wherever it is, and turns.
 
     Springs that rub stick or slide, at random; stops act or do not.
+
+    data: see `Items`.   records: of contacts.
     """
-    records = contacts.records
     for spring in connectors[connectors["place"] >= 0]:
         place = spring["place"]
         if spring["kind"] == RUBBING:
             sticks = spring["sticking_stiffness"] > 0.0  # or slides; otherwise it does neither
-            contacts.data[:, place : place + DATA] = random.integers(-1, 2, DATA) * [sticks, sticks, 1.0]
+            data[:, place : place + DATA] = random.integers(-1, 2, DATA) * [sticks, sticks, 1.0]
         else:
-            contacts.data[:, place] = random.uniform(-TURNED, TURNED)
+            data[:, place] = random.uniform(-TURNED, TURNED)
     names = ("place", "segments", "has_friction", "radius")
     for place, segments, has_friction, radius in zip(
         *(records[name].tolist() for name in names), strict=True
     ):
         gaps, states, places = (slice(place + k * segments, place + (k + 1) * segments) for k in range(3))
-        contacts.data[:, gaps] = random.uniform(-1.0, 0.5, segments)
-        contacts.data[:, place] = -1.0
+        data[:, gaps] = random.uniform(-1.0, 0.5, segments)
+        data[:, place] = -1.0
         if has_friction:
-            contacts.data[:, states] = random.integers(-2, 2, segments)
-            contacts.data[:, places] = radius * random.uniform(-1.0, 1.0, segments)
+            data[:, states] = random.integers(-2, 2, segments)
+            data[:, places] = radius * random.uniform(-1.0, 1.0, segments)

@@ -13,7 +13,7 @@ from ...items.attach.shared_node import SameSlope
 from ...items.functions_of_steps import FunctionsOfSteps
 from ...multibody.build import FunctionOfTime
 from ...multibody.rows import ACROSS, ALONG, DIFFERENCE, DISTANCE, PARALLEL, ROLLING, ROW
-from ...multibody.sliding import SLIDER, NoSliders, Sliders
+from ...multibody.sliding import SLIDER, Sliders
 from ...run.moved_offsets import MovedOffsets, Sampled
 from ..joint_item import JointItem
 from ..sliding_joints import SlidingJoint
@@ -80,7 +80,7 @@ class KnownRows(NamedTuple):
     functions: Sequence[FunctionOfTime]
     moved: MovedOffsets
     movable: Set[int]
-    sliders: Any
+    sliders: Sliders
 
 
 def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved: Set[int]) -> KnownRows:
@@ -179,14 +179,12 @@ def _moved_offsets(found: Sequence[_Offset], functions: int, steered: Sequence[S
     return MovedOffsets(numbers, rows, given, steered)
 
 
-def _sliders(found: Sequence[tuple[Any, Array]]) -> Any:
+def _sliders(found: Sequence[tuple[Any, Array]]) -> Sliders:
     """Of records, and the lengths of their elements."""
-    if not found:
-        return NoSliders()
     sizes = [len(lengths) for _, lengths in found]
     records = collected(SLIDER, [slider for slider, _ in found])
     records["lengths"] = np.cumsum(sizes) - sizes
-    return Sliders(records, np.concatenate([lengths for _, lengths in found]))
+    return Sliders(records, np.concatenate([np.zeros(0), *[lengths for _, lengths in found]]))
 
 
 def _sliding(joint: SlidingJoint, reader: PointReader) -> tuple[list[Any], Any]:

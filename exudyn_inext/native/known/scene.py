@@ -88,17 +88,14 @@ def read_known_items(
         for number in range(mbs.systemData.NumberOfLoads()):
             items.add_load(number)
     springs, loads = collected(CONNECTOR, items.connectors), collected(LOAD, items.loads)
-    contacts = touching.contacts(scene.friction.sums, bool((springs["place"] >= 0).any()))
+    data = touching.data(bool((springs["place"] >= 0).any()))
     evaluate = scene.native_items.evaluate
     general = read_general_contacts(mbs, reader, moved, evaluate) if has_forces else None
-    if general is not None:
-        if contacts.data.size:
-            raise UnknownItemError(
-                "GeneralContact beside what keeps data: circles, or springs that turn or rub"
-            )
-        contacts = general
+    if general and data.size:
+        raise UnknownItemError("GeneralContact beside what keeps data: circles, or springs that turn or rub")
+    contacts = general or touching.contacts(scene.friction.sums, data)
     placed = records, links, reader.records, sliders, rows
-    return KnownItems(*placed, springs, items.linear_forces, loads, contacts, functions), items
+    return KnownItems(*placed, springs, items.linear_forces, loads, contacts, data, functions), items
 
 
 class KnownNumbers:
