@@ -10,8 +10,7 @@ from ..checks import SMALLEST
 from ..scene.model import CableInScene
 from .kept_states import KeptStates
 
-LARGEST_TURN = 2.5  # from one node to the next [rad]: of 60 ropes released at random, those beyond were up
-# to 86 % of their motion off for their mesh, those below 1.3 %, but for one of 7 % after a snap
+LARGEST_TURN = 2.5  # from one node to the next [rad], see docs/faq.md
 
 
 def largest_turns(kept: KeptStates) -> list[tuple[float, str]]:
