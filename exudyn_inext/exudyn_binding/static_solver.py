@@ -4,6 +4,7 @@ import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Any, NamedTuple
 
 import exudyn
@@ -39,6 +40,7 @@ from ..statics import (
     support_forces,
 )
 from ..statics.small_motions import small_motions
+from .bend_check import turn_at_rest
 from .fold_check import fold_of
 from .mbs_state import at_start
 from .reports import StaticReport
@@ -399,8 +401,10 @@ def _warn_of_stretch(
 
 def _warn_of_folds(cables: Sequence[CableInScene], found: Sequence[Equilibrium], time: float) -> None:
     """Of the first cable that rests in a shape of coarse elements alone."""
-    folds = (fold_of(cable, one.q, time) for cable, one in zip(cables, found, strict=False))
-    if said := next(filter(None, folds), ""):
+    pairs = list(zip(cables, found, strict=False))
+    folds = (fold_of(cable, one.q, time) for cable, one in pairs)
+    turns = (turn_at_rest(cable, one.q) for cable, one in pairs)
+    if said := next(filter(None, chain(folds, turns)), ""):
         warnings.warn(f"{said}.", stacklevel=4)
 
 

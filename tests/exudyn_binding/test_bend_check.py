@@ -6,13 +6,16 @@ from dataclasses import replace
 import exudyn
 import numpy as np
 import pytest
+from exudyn.itemInterface import Torque
 
 from exudyn_inext import (
+    AddMarkerOnCable,
     CableShape,
     CreateInextensibleCable,
     ExplicitSettings,
     InextensibleCable,
     SolveEnsemble,
+    SolveEquilibrium,
     SolveExplicit,
 )
 from exudyn_inext.exudyn_binding import solver
@@ -65,3 +68,20 @@ def test_the_member_of_an_ensemble_is_named():
     systems = [build(replace(FALLS_THROUGH_ITS_LOOP, elements=8, tip_mass=mass))[1] for mass in (0.0, 2.0)]
     with pytest.warns(UserWarning, match="member 1 of the ensemble: cable .* turns by"):
         SolveEnsemble(systems, quiet_settings(END, round(END / PERIOD)))
+
+
+@pytest.mark.parametrize(("elements", "is_warned"), [(2, True), (8, False)])
+def test_a_cantilever_that_two_elements_roll_up_is_warned_of(elements, is_warned):
+    """By an end moment of 2 pi EI / L: the tip is at the clamp."""
+    mbs = exudyn.SystemContainer().AddSystem()
+    section, held = InextensibleCable(1.0, 1.0), [True] * 4
+    cable = CreateInextensibleCable(mbs, [0, 0, 0], [1, 0, 0], elements, section, groundConstraintsStart=held)
+    end = AddMarkerOnCable(mbs, cable, 1.0, hasFrame=True)
+    mbs.AddLoad(Torque(markerNumber=end, loadVector=[0, 0, 2 * np.pi]))
+    mbs.Assemble()
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        SolveEquilibrium(mbs)
+    tip = mbs.GetNodeOutput(cable["nodes"][-1], exudyn.OutputVariableType.Position)
+    assert (np.linalg.norm(tip) > 0.1) == is_warned
+    assert [("its mesh does not resolve" in str(one.message)) for one in said] == [True] * is_warned
