@@ -23,6 +23,7 @@ class Motion:
     is_smooth: whether it can be differentiated twice; if not, velocities jump between steps.
     given: whether p_t and p_tt are, and not found by differences.
     at_times: (T,) t [s] -> (T, 3, dim), `at` of many times at once; None: they are asked for one by one.
+    position: t [s] -> (dim,) p alone, which takes fewer calls where its derivatives are differences.
     """
 
     at: Callable[[float], Array]
@@ -31,6 +32,11 @@ class Motion:
     is_smooth: bool = True
     given: tuple[bool, bool] = (True, True)
     at_times: Callable[[Sequence[float]], Array] | None = None
+    position: Callable[[float], Array] | None = None
+
+    def place(self, t: float) -> Array:
+        """(dim,) p at t [s]."""
+        return np.atleast_1d(self.position(t)) if self.position else self.at(t)[0]
 
     def sample(self, times: Sequence[float]) -> Array:
         """(T, 3, dim) `at` of many times [s]."""

@@ -58,7 +58,7 @@ def motion_of(
     if is_pure and not is_driven:
         at = lru_cache(maxsize=2)(at)  # a step asks for the time of its end several times
     given = velocity is not None, acceleration is not None
-    return Motion(at, is_pure=is_pure, given=given, at_times=at_times)
+    return Motion(at, is_pure=is_pure, given=given, at_times=at_times, position=position)
 
 
 def _given(function: Function, times: Sequence[float]) -> Array:

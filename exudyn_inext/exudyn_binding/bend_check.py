@@ -21,7 +21,7 @@ def largest_turns(kept: KeptStates) -> list[tuple[float, str]]:
     run, (times, _, states) = kept.run, kept.all()
     found = []
     for cable, (dofs, shape) in zip(run.cable_runs, run.places_of_cables, strict=False):
-        cosines = _cosines((states[:, 0, dofs] + run.reference[dofs]).reshape(-1, *shape)[:, :, 1])
+        cosines = cosines_of_turns((states[:, 0, dofs] + run.reference[dofs]).reshape(-1, *shape)[:, :, 1])
         first = int(np.argmax(cosines.min(axis=1) < math.cos(LARGEST_TURN)))
         what = f"from t = {times[first]:.3g} s on its motion may be some per cent off, or more"
         found.append(_largest(cable.scene_cable, cosines, what))
@@ -30,12 +30,14 @@ def largest_turns(kept: KeptStates) -> list[tuple[float, str]]:
 
 def turn_at_rest(cable: CableInScene, q: Array) -> str:
     """What is said of a cable that rests at q (n, 2, dim); empty if its elements resolve its bends."""
-    turn, said = _largest(cable, _cosines(q[np.newaxis, :, 1]), "with shorter elements it rests elsewhere")
+    turn, said = _largest(
+        cable, cosines_of_turns(q[np.newaxis, :, 1]), "with shorter elements it rests elsewhere"
+    )
     return said if turn > LARGEST_TURN else ""
 
 
-def _cosines(slopes: Array) -> Array:
-    """(T, N) of the turns along each element, of slopes (T, N + 1, dim)."""
+def cosines_of_turns(slopes: Array) -> Array:
+    """(T, N) of the turns along each element, of slopes (T, N + 1, dim) at its ends."""
     lengths = np.sqrt(np.einsum("tni,tni->tn", slopes, slopes))
     products = np.einsum("tni,tni->tn", slopes[:, :-1], slopes[:, 1:])
     return np.asarray(products / np.maximum(lengths[:, :-1] * lengths[:, 1:], SMALLEST))

@@ -211,6 +211,10 @@ class _Keeper:
 def CableForces(mbs: Any, cable: Any, arcLengths: Any = None) -> dict[str, Any]:
     """Section forces along a cable in the present state of mbs.
 
+    The moment falls to nothing within some sqrt(EI / T) of a clamp, T the tension there. Of a clamped rope
+    that falls, elements of half that length gave its peaks within 4 %, those of that length within some 10 %,
+    and those 1.7 times as long were 40 % off, though the motion was right within 1 %.
+
     Args:
         mbs: assembled system.
         cable: what CreateInextensibleCable returned, or the number of its object.
@@ -251,7 +255,7 @@ def CableForces(mbs: Any, cable: Any, arcLengths: Any = None) -> dict[str, Any]:
 def CreateCableForceSensor(
     mbs: Any, cable: Any, arcLength: float, storeInternal: bool = True, fileName: str = ""
 ) -> int:
-    """Sensor of tension [N] and bending moment [N m] at one point of a cable.
+    """Sensor of tension [N] and bending moment [N m] at one point of a cable; at clamps see `CableForces`.
 
     Args:
         mbs: the system where the sensor is added.

@@ -24,6 +24,7 @@ from ..run.output_files import ResumedOutputs, require_writable_outputs
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import choose_step, warn_of_damping, warn_of_many_steps, warn_of_outputs
 from ..run.time_grid import TimeGrid, time_grid
+from .axial_check import axial_findings, warn_of_axial_findings
 from .bend_check import largest_turns, warn_of_turns
 from .cable_forces import shared_evaluators
 from .changes.constraints import SteppedReader
@@ -47,7 +48,6 @@ from .time_loop import (
     worst_figures,
 )
 from .unseen_outputs import warn_of_unseen_outputs
-from .wave_check import share_of_waves, warn_of_waves
 
 
 def SolveExplicit(
@@ -252,7 +252,7 @@ def _solve(
             _run(mbs, solver, settings, loop, outputs, log, header)
         with state_kept(mbs):
             warn_of_worst([one for kept in loop.kept_states for one in left_out_stretch(kept)])
-            warn_of_waves(list(map(share_of_waves, loop.kept_states)))
+            warn_of_axial_findings(list(map(axial_findings, loop.kept_states)))
             warn_of_turns(chain.from_iterable(map(largest_turns, loop.kept_states)))
     controls = [run.control for run in loop.runs]
     steps = max(control.steps for control in controls)

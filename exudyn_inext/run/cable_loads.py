@@ -185,8 +185,7 @@ class CableLoads:
         if not (self.varies or (self._ramp and piece.time() < self._ramp.end)):
             return LoadHistory(self.constant, self.pattern, np.zeros(shape))
         times = piece.times(stages).ravel().tolist()
-        factors = np.array(self.factors(times), order="C")  # of one type
-        self.sight.look(piece.time(), times, factors)
+        factors = np.array(self.sight.look(piece.time(), times), order="C")  # of one type
         return LoadHistory(self.constant, self.pattern, factors.reshape(shape))
 
     def factors(self, times: list[float]) -> Array:
@@ -228,7 +227,7 @@ class CableLoads:
 
     def places(self, time: float) -> Array:
         """(k,) coordinates of all motions at `time` [s] [m]."""
-        return np.concatenate([np.zeros(0), *(motion.at(time)[0] for motion in self._motions)])
+        return np.concatenate([np.zeros(0), *(motion.place(time) for motion in self._motions)])
 
     @property
     def names_of_places(self) -> list[str]:

@@ -165,15 +165,20 @@ class SceneLoads:
         """(F,) values of the functions of joints at t [s]."""
         return self._of_joints([t])[0]
 
+    def forget(self) -> None:
+        """Step functions have been called: what functions of joints read may be something else."""
+        for sampled in self._moved.steered:
+            sampled.forget()
+        self._sight.forget()
+
     def _columns_of_places(self, first: int) -> tuple[list[int], list[int]]:
-        """See `CableLoads`; of joints too, if step functions steer none.   first: column of these."""
+        """See `CableLoads`; of joints too.   first: column of these."""
         places, rates, column = list[int](), list[int](), 0
         for of_cable in self._loads:
             places += (column + of_cable.sight.places).tolist()
             rates += (column + of_cable.sight.rates).tolist()
             column += len(of_cable.pattern)
-        number = 0 if self._moved.steered else len(self._functions)
-        joints = range(first, first + 3 * number, 3)
+        joints = range(first, first + 3 * len(self._functions), 3)
         return [*places, *joints], [*rates, *(place + 1 for place in joints)]
 
     def sample(self, times: Array, since: float | None = None) -> LoadHistory:
@@ -189,9 +194,8 @@ class SceneLoads:
         if self.are_steady and not (self.ramp and times[0, 0] < self.ramp.end):
             return LoadHistory(self.constant, self.pattern, np.zeros(shape), NO_WORK)
         sampled = times.ravel().tolist()
-        factors = np.array(self.factors(sampled), order="C")  # of one type
-        if since is not None:
-            self._sight.look(since, sampled, factors)
+        found = self.factors(sampled) if since is None else self._sight.look(since, sampled)
+        factors = np.array(found, order="C")  # of one type
         return LoadHistory(self.constant, self.pattern, factors.reshape(shape), NO_WORK)
 
 
@@ -461,8 +465,7 @@ class CompiledScene:
 
     def steered_violation(self, t: float, q: Array) -> float:
         """As `violation`, after step functions have been called."""
-        for sampled in self._moved.steered:
-            sampled.forget()
+        self.loads.forget()
         return self.violation(t, q)
 
     def take(

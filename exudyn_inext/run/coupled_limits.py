@@ -21,6 +21,7 @@ from ..scene.small_vibrations import (
 from ..system import accelerate_and_project
 from .cable_run import CableRun
 from .divergence import explanation, listed
+from .jump_ahead import look_between
 from .moved_by_exudyn import MovedByExudyn
 from .moved_by_kernels import MovedByKernels
 from .mover import together
@@ -228,6 +229,16 @@ class LimitedRun(PacedRun):
     def names_of_places(self) -> list[str]:
         names = [name for run in self._runs for name in run.loads.names_of_places]
         return [*names, *self._scene.native_items.joints] if self._scene.joints else names
+
+    def look_for_jumps(self, piece: Piece) -> None:
+        """Raise JumpError if a support or joint jumps in an interval; compiled ones look by themselves."""
+        loads = [run.loads for run in self._runs]
+        is_compiled = isinstance(self.mover, MovedByKernels)
+        if is_compiled or not (self._scene.rows.follows_time or any(one.names_of_places for one in loads)):
+            return
+        least = max((one.sight.least for one in loads), default=0.0)
+        ends = [piece.time(taken) for taken in range(0, piece.steps + 1, piece.in_interval)]
+        look_between(self.places, ends, least)
 
     def outruns_limit(self, piece: Piece, since: int, done: int) -> bool:
         """Whether the steps of this piece are too long by now.

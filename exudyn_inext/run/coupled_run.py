@@ -499,6 +499,7 @@ class CoupledRun(LimitedRun):
     def take(self, piece: Piece, history: Array) -> int:
         """See `PacedRun.take`; where Exudyn evaluates its items, all steps or none."""
         times = piece.times(self.integrator.stages)
+        self.look_for_jumps(piece)
         self._kept.keep()
         done = kept = 0
         may_outrun = self.watch.stretches or self.mover.follows_contacts

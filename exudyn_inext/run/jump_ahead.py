@@ -1,17 +1,19 @@
-"""Jumps of supports and joints that move by functions of time, seen between neighbouring samples of steps.
+"""Jumps of supports and joints that move by functions of time, seen in the steps to come.
 
 Steps would go over them: no velocity takes a place to the one behind the jump.
 """
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 import numpy as np
 
 from ..arrays import Array
 from ..compiled import Prepared, kernel
-from ..constraints.motion import find_jump
+from ..constraints.motion import STEP, find_jump
 
 SMALL = 1e-5  # jump, over the length of a cable, that counts for nothing, as where pieces of a function meet
+SEEN_AHEAD = 3.0 * STEP  # how far differences see jumps before they happen [s]
 UNEVEN = 0.1  # share of the way of a step that is not that of its velocities, where a jump may be
 
 
@@ -21,6 +23,24 @@ class JumpError(Exception):
     def __init__(self, begin: float, end: float) -> None:
         super().__init__(f"between {begin:g} and {end:g} s")
         self.begin, self.end = begin, end
+
+
+def look_between(places: Callable[[float], Array], times: Sequence[float], least: float) -> None:
+    """Look between these times of the steps to come [s], in the state before them, without velocities.
+
+    places: t [s] -> (k,) [m, -].   least: that jumps are [m, -].
+
+    Raises:
+        JumpError: a place jumps: its ways in both halves between two times differ.
+    """
+    before = places(times[0])
+    for begin, end in pairwise([*times[:-1], times[-1] + SEEN_AHEAD]):
+        middle, after = places(0.5 * (begin + end)), places(end)
+        ways = np.abs([middle - before, after - middle])
+        uneven = np.abs(before - 2.0 * middle + after) > least + 2.0 * UNEVEN * ways.max(axis=0)
+        if uneven.any() and (jump := find_jump(places, begin, end)) and jump.size > least:
+            raise JumpError(begin, end)
+        before = after
 
 
 class JumpSight:
@@ -42,23 +62,29 @@ class JumpSight:
         self._sample, self._find = sample, Prepared(_find_uneven)
         self._time, self._last = np.nan, np.zeros((1, 0))  # of the last sample
 
-    def look(self, since: float, times: list[float], samples: Array) -> None:
-        """Look at the samples (T, P) at these times (T,) of the steps from `since` on [s].
+    def look(self, since: float, times: list[float]) -> Array:
+        """Samples (T, P) at these times (T,) of the steps from `since` on [s].
 
         Raises:
             JumpError: a place jumps.
         """
         if not self.places.size:
-            return
+            return self._sample(times)
         last = self._last if since == self._time else self._sample([since])
+        samples = self._sample(times)
         self._time, self._last = times[-1], samples[-1:]
         values, at = np.concatenate([last, samples]), np.array([since, *times])
         k = self._find(values, at, self.places, self.rates, self.least, 0)
         while k < len(times):
-            jump = find_jump(self._places_at, at[k], at[k + 1])
-            if jump and jump.size > self.least:
-                raise JumpError(at[k], at[k + 1])
+            begin, end = at[k], at[k + 1] + SEEN_AHEAD
+            if (jump := find_jump(self._places_at, begin, end)) and jump.size > self.least:
+                raise JumpError(begin, end)
             k = self._find(values, at, self.places, self.rates, self.least, k + 1)
+        return samples
+
+    def forget(self) -> None:
+        """The functions read something else from now on."""
+        self._time = np.nan
 
     def _places_at(self, t: float) -> Array:
         return self._sample([t])[0, self.places]

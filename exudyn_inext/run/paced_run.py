@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array, Places
-from ..constraints.motion import STEP, find_jump
+from ..constraints.motion import find_jump
 from ..integrators.integrator import Integrator
-from .jump_ahead import JumpError
+from .jump_ahead import SEEN_AHEAD, JumpError
 from .kept_state import KeptState
 from .redundancy import pulled_straight
 from .run_watch import RunWatch
@@ -21,7 +21,6 @@ HIDING_PARTS = 16  # of the nominal step, from which on steps that go wrong are 
 LEAST_REHEARSED = 4  # intervals of the loop
 STEPS_OF_MOTION, FAST = (64, 256), 0.1  # that show how fast a motion begins; by step [rad]
 STEPS_REHEARSED = 1000  # at most, of a run that goes on portion by portion
-SEEN_AHEAD = 3.0 * STEP  # how far differences see jumps before they happen [s]
 SHORTER = 0.9  # times the step before, from which on it sets axial vibrations free
 LONGER = 4.0  # times the step, with which accelerations are compared
 STEPS_OF_RAMP = 20.0  # in place of a jump

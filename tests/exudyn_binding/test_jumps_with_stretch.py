@@ -39,7 +39,10 @@ from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import COARSE
 from tests.exudyn_binding.test_restart import restarting
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*vibrates along its axis faster than the steps resolve")
+pytestmark = [
+    pytest.mark.filterwarnings("ignore:.*vibrates along its axis faster than the steps resolve"),
+    pytest.mark.filterwarnings("ignore:.*how it folds depends on its elements"),
+]
 
 STEEL = {"massPerLength": 0.25, "bendingStiffness": 2.0, "axialStiffness": 2.5e6}  # ropes of 8 mm
 NYLON = {"massPerLength": 0.065, "bendingStiffness": 0.01, "axialStiffness": 2e4}

@@ -259,6 +259,7 @@ def waves_are_not_watched(monkeypatch):
     monkeypatch.setattr(CoupledRun, "_leave_out_waves", lambda *_: None)
 
 
+@pytest.mark.filterwarnings("ignore:.*how it folds depends on its elements")
 def test_a_run_that_a_blow_spoils_begins_again(waves_are_not_watched):
     mbs, mass = hammer(1e4, extensible=True)
     report = SolveExplicit(mbs, quiet_settings(1.0, 100))

@@ -1,0 +1,128 @@
+"""What the axial forces of cables that stretch say of a run: vibrations, and compression.
+
+Axial vibrations that the steps do not resolve may carry much of the tension. A cable that is compressed by P
+buckles in half waves of pi sqrt(EI / P): if these have less than two elements, it folds as the mesh lets it.
+"""
+
+import math
+import warnings
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import Array
+from ..checks import SMALLEST
+from ..errors import InextensibleError
+from ..run.accurate_step import step_of_axial_waves
+from ..run.coupled_run import Run
+from ..scene.model import CableInScene
+from .bend_check import cosines_of_turns
+from .kept_states import KeptStates
+
+FEW_LOOKS, LOOKS, MOST_SOLVES = 4, 12, 300  # at tensions, and solves of cables for that, about
+LARGEST_SHARE = 1.0  # of the tension, and of the load under which two elements buckle
+SUSPICIOUS = 0.1  # share in few states, for which more are looked at
+SMALL = 1e-5  # strain that loads no material
+STRAIGHT = 1e-3  # turn along an element that does not buckle, as nothing bends it [-]
+
+Finding = tuple[float, str]  # share, and a sentence
+
+
+class AxialFindings(NamedTuple):
+    """The largest shares of the cables of a run, root mean squares in time.
+
+    of_waves: of vibrations that the steps do not resolve in the tension.
+    of_compression: of the compression in the load under which two elements buckle.
+    """
+
+    of_waves: Finding = (0.0, "")
+    of_compression: Finding = (0.0, "")
+
+
+class _Looks(NamedTuple):
+    """At a cable in T states: tensions (T, N) as means of the steps, and by strains [N], and turns [-]."""
+
+    means: Array
+    strained: Array
+    turns: Array
+
+
+def axial_findings(kept: KeptStates) -> AxialFindings:
+    """Of a run that is over; its state is another one then."""
+    if not (kept.run.watch.stretches and len(kept)):
+        return AxialFindings()
+    found = _findings(kept, FEW_LOOKS)
+    return found if max(found)[0] < SUSPICIOUS else _findings(kept, LOOKS)
+
+
+def _findings(kept: KeptStates, most: int) -> AxialFindings:
+    run, (times, steps, states) = kept.run, kept.all()
+    number = min(most, max(2, MOST_SOLVES // len(run.cables)), len(states))
+    places = np.linspace(0, len(states) - 1, number).astype(int)
+    looks = [(float(times[k]), float(steps[k]), states[k]) for k in places]
+    try:
+        means = [_tensions(run, look, look[1]) for look in looks]
+        strained = [_tensions(run, look, 0.0) for look in looks]
+    except InextensibleError:  # items that were changed do not allow an earlier state any more
+        return AxialFindings()
+    found = []
+    for k, cable in enumerate(run.cable_runs):
+        if cable.scene_cable.cable.stretches:
+            mean, by_strains = (np.array([tensions[k] for tensions in of]) for of in (means, strained))
+            seen = _Looks(mean, by_strains, _turns(run, k, looks))
+            found.append((_waves(cable.scene_cable, seen), _compression(cable.scene_cable, seen)))
+    return AxialFindings(*map(max, zip(*found, strict=True)))
+
+
+def _tensions(run: Run, look: tuple[float, float, Array], h: float) -> list[Array]:
+    """Of all cables in a state, as means of steps of h [s]; 0: by their strains."""
+    for cable in run.cable_runs:
+        cable.take_means(h)
+    time, _, state = look
+    return run.tensions(time, *state)
+
+
+def _turns(run: Run, place: int, looks: Sequence[Any]) -> Array:
+    """(T, N) along each element of a cable, small ones in rad."""
+    dofs, shape = run.places_of_cables[place]
+    slopes = np.array([(q[dofs] + run.reference[dofs]).reshape(shape)[:, 1] for _, _, (q, _) in looks])
+    return np.asarray(np.sqrt(np.maximum(2.0 - 2.0 * cosines_of_turns(slopes), 0.0)))
+
+
+def _waves(cable: CableInScene, looks: _Looks) -> Finding:
+    """They are what the strain has beyond the mean forces of the steps, see `axial`."""
+    mean, beyond = map(_root_mean_square, (looks.means, looks.strained - looks.means))
+    stiffness = cable.cable.section.axial_stiffness or 0.0
+    share = beyond / mean if beyond > SMALL * stiffness and mean > 0.0 else 0.0
+    return share, (
+        f"cable '{cable.name}' vibrates along its axis faster than the steps resolve, with "
+        f"{beyond:.3g} N beside a tension of {mean:.3g} N (root mean squares): peaks of forces may be wrong. "
+        f"Take stepSize = {step_of_axial_waves(cable.cable):.2g}."
+    )
+
+
+def _compression(cable: CableInScene, looks: _Looks) -> Finding:
+    """Of elements that are bent: what is straight stays so, however much it is compressed."""
+    compression = np.where(looks.turns > STRAIGHT, np.maximum(-looks.means, 0.0), 0.0)
+    stiffness, lengths = cable.cable.section.bending_stiffness, cable.cable.element_lengths
+    shares = compression * (2.0 * lengths / math.pi) ** 2 / stiffness
+    largest = float(compression.max())
+    wanted = 0.5 * math.pi * math.sqrt(stiffness / max(largest, SMALLEST))
+    return _root_mean_square(shares.max(axis=1)), (
+        f"cable '{cable.name}' is compressed by up to {largest:.3g} N, under which it buckles in half waves "
+        f"of {2.0 * wanted:.2g} m: how it folds depends on its elements. Take elements of at most "
+        f"{wanted:.2g} m, or avoid the blow: start from SolveEquilibrium(mbs), or let loads change gradually."
+    )
+
+
+def _root_mean_square(x: Array) -> float:
+    return math.sqrt(np.mean(x**2))
+
+
+def warn_of_axial_findings(found: Sequence[AxialFindings]) -> None:
+    """Of the worst of each kind in the runs of a scene, if that is much."""
+    for of_kind in zip(*found, strict=True):
+        share, said = max(of_kind)
+        if share > LARGEST_SHARE:
+            warnings.warn(said, stacklevel=5)
