@@ -124,7 +124,7 @@ class SceneLoads:
         if not len(self.pattern):
             return external
         if self._only_moves:
-            external[self._on_cables[1].stop : self._last.stop] = self._moved.at(t).T.ravel()
+            external[self._on_cables[1].stop : self._last.stop] = self._moved.values([t])
             if self.ramp:
                 external[-1] = self.ramp.share(t)
         else:
@@ -237,6 +237,7 @@ class CompiledScene:
         self._set(system)
         self._violation = Prepared(joint_violation)
         self._memory = np.zeros(len(system.items.force)), np.zeros(REPORTED)
+        self._rates_of_cables = [Bound(index_reduced_rates, own) for _, own, _ in cables]
         self._subtract_joint_forces = Prepared(subtract_joint_forces)
         self.forces = system.items.force
         self.given = system.items.given
@@ -653,11 +654,11 @@ class CompiledScene:
 
     def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
         """See `EvaluatedScene`."""
-        dofs, system, loads = self._cables[cable]
+        dofs, _, loads = self._cables[cable]
         size = dofs.stop - dofs.start
         force, (a, rate) = loads.at(t).copy(), np.zeros((2, size))
         force[:size] += self._joined_forces(self.system)[dofs]
-        index_reduced_rates(system, force, q[dofs], v[dofs], a, rate)
+        self._rates_of_cables[cable](force, q[dofs], v[dofs], a, rate)
         return a
 
 

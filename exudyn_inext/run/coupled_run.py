@@ -344,6 +344,15 @@ class CoupledRun(LimitedRun):
         self.start_scheme(time)
         self.watch.begin_again(time, self.state)
 
+    def move_on(self, time: float, end: float, has_changed: bool) -> None:
+        """Begin again with joints that have been changed, and are fulfilled at `end` [s]; if not, they rest."""
+        if has_changed:
+            self.approach(time, end)
+        else:
+            self.rest_joints(time)
+        self.watch.is_close = self.mover.approaches
+        self.begin_again(time)
+
     def forget(self) -> None:
         self._scene.forget()
         for run in self._runs:
@@ -490,7 +499,7 @@ class CoupledRun(LimitedRun):
         if not self._has_axial_forces:
             self.mover.begin_by(self.integrator.start, time)
             return
-        given = self.mover.system, self.mover.external_at(time), self.state, self.control.present
+        given = self.mover.quick_system, self.mover.external_at(time), self.state, self.control.present
         accelerate_again(*given, self._corrections.values(), self._learned)
 
     def watch_on(self, time: float) -> None:

@@ -66,7 +66,7 @@ class MovedByKernels(Mover):
         return self._form.system
 
     @property
-    def _quick_system(self) -> CompiledScene:
+    def quick_system(self) -> CompiledScene:
         return self._form
 
     def begin_by(self, function: Callable[..., None], time: float) -> None:

@@ -91,10 +91,10 @@ class Mover:
 
     def begin_by(self, function: Callable[..., None], time: float) -> None:
         """Begin with a function of the integrator, of (system, external, state)."""
-        plain(function)(self._quick_system, self.external_at(time), self._state)
+        plain(function)(self.quick_system, self.external_at(time), self._state)
 
     @property
-    def _quick_system(self) -> Any:
+    def quick_system(self) -> Any:
         """The system, for single evaluations."""
         return self.system
 

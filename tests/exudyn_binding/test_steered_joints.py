@@ -281,20 +281,20 @@ def places_after(places):
 
 def test_a_steady_acceleration_is_kept():
     one, end = places_after([0.0, 0.5, 2.0, 4.5])
-    np.testing.assert_allclose(one.at(end), [[0.0], [-30.0], [-100.0]], atol=1e-9)
-    np.testing.assert_allclose(one.at(end - 0.05), [[1.375], [-25.0], [-100.0]])
-    np.testing.assert_allclose(one.at(end - 0.1)[0], [2.5])
+    np.testing.assert_allclose(one.left_at([end])[0], [[0.0], [-30.0], [-100.0]], atol=1e-9)
+    np.testing.assert_allclose(one.left_at([end - 0.05])[0], [[1.375], [-25.0], [-100.0]])
+    np.testing.assert_allclose(one.left_at([end - 0.1])[0, 0], [2.5])
 
 
 @pytest.mark.parametrize("places", [[0, 0, 1], [0, 0, 1, 1, 2], [0, 1, 0, 1]], ids=str)
 def test_jumps_are_straight(places):
     one, end = places_after(np.array(places, dtype=float))
-    np.testing.assert_allclose(one.at(end - 0.05), [[0.5], [-10.0], [0.0]], atol=1e-12)
+    np.testing.assert_allclose(one.left_at([end - 0.05])[0], [[0.5], [-10.0], [0.0]], atol=1e-12)
 
 
 def test_a_way_after_a_rest_begins_straight():
     one, end = places_after([0.0, 0.5, 2.0])
     one.rest()
-    assert not one.at(end).any()
+    assert not one.left_at([end])[0].any()
     one.aim(np.ones(1), end + 0.1, end + 0.2)
-    np.testing.assert_allclose(one.at(end + 0.2), [[0.0], [-10.0], [0.0]], atol=1e-9)
+    np.testing.assert_allclose(one.left_at([end + 0.2])[0], [[0.0], [-10.0], [0.0]], atol=1e-9)
