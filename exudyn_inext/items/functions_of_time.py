@@ -53,7 +53,7 @@ def python_function(given: dict[str, Any]) -> Callable[..., Any]:
 
 
 def drive_of(user_function: Any) -> Any:
-    """The `native.velocity_level.Drive` of an offset, if it is that of a constraint at velocity level; or None.
+    """The `native.velocity_level.Drive` of an offset; None: that of no constraint at velocity level.
 
     It is a function of the time alone, which becomes another one where the velocity is set between steps.
     """

@@ -84,6 +84,9 @@ class MovedByKernels(Mover):
         loads = self._form.loads
         return loads.follow(loads.at(time), self._state.q, self._state.v)
 
+    def loads_kept(self, time: float) -> AbstractContextManager[None]:
+        return self._form.loads.kept_at(time)
+
     @property
     def followed_system(self) -> Any:
         return self._form if self._form.loads.of_state else self.system

@@ -98,6 +98,10 @@ class Mover:
         """The system, for single evaluations."""
         return self.system
 
+    def loads_kept(self, time: float) -> AbstractContextManager[None]:
+        """Loads at `time` [s], and motions, are not asked for again meanwhile."""
+        return nullcontext()
+
     def take_constants(self) -> None:
         """Constant loads on cables, which have been changed."""
         self._scene.native_items.take_constants()

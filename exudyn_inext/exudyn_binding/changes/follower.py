@@ -147,15 +147,15 @@ class ChangeFollower:
         self, runs: Sequence[Run], changed: Mapping[Parameter, Any], time: float, end: float
     ) -> bool:
         """Whether all that has changed are values of loads, springs and masses, or joints that move on."""
-        if self._jumped or self.limit.is_due(time) or self.limit.grown(changed):
+        if self.limit.is_due(time) or self.limit.grown(changed):
             return False
         alone = _alone(runs)
         if alone:
-            return not self.moves and self._load_at_once(alone, changed, time)
+            return not (self.moves or self._jumped) and self._load_at_once(alone, changed, time)
         most, items, weights = self._sort(runs, changed)
         if most > Demand.MOVE or not _have_begun(runs):
             return False
-        if self.moves or most > Demand.BEGIN:
+        if self.moves or self._jumped or most > Demand.BEGIN:
             return not weights and self._move_on(runs, {key: changed[key] for key in items}, most, time, end)
         if weights or most == Demand.BEGIN:
             forget_evaluators(self.sensors)
@@ -185,7 +185,7 @@ class ChangeFollower:
         if not all([run.completes and run.mover.take_values(values, line) for run in coupled]):
             return False
         forget_evaluators(self.sensors)
-        _go_on(runs, time, end, most == Demand.MOVE)
+        _go_on(runs, time, end, self._jumped or most == Demand.MOVE)
         self.moves = self._is_moving(coupled)
         return True
 
