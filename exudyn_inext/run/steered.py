@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import Prepared, inlined, kernel
+from ..compiled import inlined, kernel
 
 _SAME = 1e-6  # of times, in steps
 _GROWTH = 2.0  # of the acceleration from one step to the next, at most
@@ -35,7 +35,7 @@ class Steered:
     def aim(self, left: Array, time: float, end: float) -> None:
         """So much (n,) is left at `time` [s], and nothing at `end` [s] of the same step."""
         self._end, self._asked = end, None
-        self.moves = bool(_aim(self._times, self._history, self._powers, left, time, end))
+        self.moves = bool(_set_powers(self._times, self._history, self._powers, left, time, end))
 
     def rest(self) -> None:
         """Stay there."""
@@ -61,7 +61,7 @@ def parabola(powers: Array, times: Sequence[float]) -> Array:
 
 
 @kernel
-def _values_of_parabola(powers, times, values):
+def _evaluate(powers, times, values):
     for k in range(len(times)):
         for i in range(powers.shape[1]):
             for j in range(powers.shape[2]):
@@ -84,7 +84,7 @@ def _turn_over(times, history, time, end):
 
 
 @kernel
-def _powers_of_way(times, history, powers, left, time, end):
+def _set_powers(times, history, powers, left, time, end):
     """Set the powers (3, 3, n) of the time that is left; returns whether anything is."""
     _turn_over(times, history, time, end)
     duration = end - time
@@ -107,6 +107,3 @@ def _powers_of_way(times, history, powers, left, time, end):
 def _smaller(one, other):
     """That which is nearer to zero, where both have the same sign; elsewhere zero."""
     return max(min(one, other), min(max(one, other), 0.0))
-
-
-_evaluate, _aim = Prepared(_values_of_parabola), Prepared(_powers_of_way)
