@@ -21,6 +21,7 @@ from exudyn.itemInterface import (
 from exudyn.utilities import InertiaCuboid
 
 from exudyn_inext import CreateCableForceSensor, ExplicitStepper, SceneError, SolveExplicit
+from exudyn_inext.exudyn_binding.changes.follower import ChangeFollower
 from exudyn_inext.run.steered import Steered
 from reference_models.model import quiet_settings
 from tests.exudyn_binding.items import SECTION, either_cable, solve_native
@@ -261,6 +262,14 @@ def test_functions_that_step_functions_steer_are_asked_by_compiled_code(new_mbs,
         assert ("reads what step functions may change" in path) == is_compiled
         found.append(mbs.systemData.GetODE2Coordinates())
     np.testing.assert_allclose(*found, rtol=0, atol=1e-9)
+
+
+def test_joints_that_move_on_need_no_new_reading(mbs, monkeypatch):
+    readings, read = [], ChangeFollower._followed
+    monkeypatch.setattr(ChangeFollower, "_followed", lambda *given: readings.append(1) or read(*given))
+    Carriage(mbs, 2, True, smoothly)
+    SolveExplicit(mbs, quiet_settings(0.06, 60))
+    assert 1 <= len(readings) <= 2
 
 
 def test_who_does_without_step_functions_refuses_what_they_steer(mbs):
