@@ -32,13 +32,12 @@ def motion_of(
     velocity: Function | None = None,
     acceleration: Function | None = None,
     is_pure: bool = True,
-    is_driven: bool = False,
 ) -> Motion:
     """The motion t -> position(t); missing derivatives are differences.
 
     Args:
         position: t [s] -> (dim,) [m].   velocity: [m/s].   acceleration: [m/s^2].
-        is_pure: see `Motion`.   is_driven: whether it may become another one between two steps.
+        is_pure: see `Motion`.
     """
 
     def at_times(times: Sequence[float]) -> Array:
@@ -55,7 +54,7 @@ def motion_of(
     def at(t: float) -> Array:
         return at_times([t])[0]
 
-    if is_pure and not is_driven:
+    if is_pure:
         at = lru_cache(maxsize=2)(at)  # a step asks for the time of its end several times
     given = velocity is not None, acceleration is not None
     return Motion(at, is_pure=is_pure, given=given, at_times=at_times, position=position)

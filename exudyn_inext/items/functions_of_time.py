@@ -52,17 +52,12 @@ def python_function(given: dict[str, Any]) -> Callable[..., Any]:
     return function if callable(function) else function.Evaluate
 
 
-def is_driven(user_function: Any) -> bool:
-    """Whether an offset is that of a constraint at velocity level, see `native.velocity_level.Drive`.
+def drive_of(user_function: Any) -> Any:
+    """The `native.velocity_level.Drive` of an offset; None: that of no constraint at velocity level.
 
     It is a function of the time alone, which becomes another one where the velocity is set between steps.
     """
-    return bool(user_function) and getattr(user_function["function"], "is_driven", False)
-
-
-def acceleration_of(user_function: Any) -> Callable[[float], float] | None:
-    """Of a constraint at velocity level: t [s] -> [m/s^2], if it is known; else None."""
-    return user_function["function"].acceleration if is_driven(user_function) else None
+    return getattr(user_function["function"], "drive", None) if user_function else None
 
 
 def is_of_time_alone(mbs: Any, user_function: Any) -> bool:

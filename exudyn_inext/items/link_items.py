@@ -1,5 +1,6 @@
 """Native constraints of an mbs that become links of a cable: distances and moving coordinates."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from ..cable.link import Motion, rest
 from ..constraints.motion import motion_of
 from ..scene.links import MovingCoordinate, Rod
 from ..scene.model import HeldCoordinate
-from .functions_of_time import acceleration_of, is_driven, is_of_time_alone, python_function
+from .functions_of_time import drive_of, is_of_time_alone, python_function
 from .on_ground import markers_of, node_marker_to_ground, point_on_ground
 
 _POSITION_MARKERS = {"NodePosition", "NodeRigid"}
@@ -68,11 +69,21 @@ def _motion(mbs: Any, number: int, data: dict[str, Any], reference: float) -> Mo
     if hasattr(function, "motion"):
         return function.motion
     given = data["offsetUserFunction"], data["offsetUserFunction_t"]
+    if drive := drive_of(given[0]):
+        return _motion_of_drive(drive, reference)
     rate = python_function(given[1]) if given[1] else None
     return motion_of(
         lambda t: reference + function(mbs, t, number, offset),
         None if rate is None else lambda t: rate(mbs, t, number, offset),
-        acceleration_of(given[0]),
         is_pure=all(is_of_time_alone(mbs, one) for one in given if one),
-        is_driven=is_driven(given[0]),
     )
+
+
+def _motion_of_drive(drive: Any, reference: float) -> Motion:
+    def at_times(times: Sequence[float]) -> Array:
+        values: Array = drive.sample(times)
+        values[:, 0] += reference
+        return values
+
+    is_given = bool(drive.rate)
+    return Motion(lambda t: at_times([t])[0], is_smooth=is_given, given=(True, False), at_times=at_times)

@@ -186,7 +186,7 @@ class NativeItems:
     def violations(self, t: float, q: Array) -> Array:
         """c(q, t) (m,), of which an approach leaves a part."""
         values = self._values_of_mbs(t, q)
-        return values - self.approach.at(t)[0] if self.approach.moves else values
+        return values - self.approach.left_at([t])[0, 0] if self.approach.moves else values
 
     def present_violations(self, t: float, q: Array) -> Array:
         """c(q, t) (m,) as it is now, after functions of the user may have changed it; mbs stays as it is."""
@@ -210,7 +210,7 @@ class NativeItems:
         terms = self._rows.terms(self._mbs, self._values_of_mbs, t, q, v)
         if not self.approach.moves:
             return terms
-        left, rate, acceleration = self.approach.at(t)
+        left, rate, acceleration = self.approach.left_at([t])[0]
         return JointTerms(terms.value - left, terms.drift - rate, terms.gamma + acceleration)
 
     def jacobian(self, t: float, q: Array) -> Sequence[JointBlock]:

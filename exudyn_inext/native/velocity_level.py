@@ -15,11 +15,14 @@ from typing import Any
 import exudyn
 import numpy as np
 
+from ..arrays import Array
+from ..constraints.motion import many_differences
 from ..errors import SceneError
 from ..items.arguments import described
 from ..items.functions_of_time import is_of_time_alone, python_function
 from ..items.parameters import Parameter, set_unnoted
 from ..run.settings import SAY_OF_TIME
+from ..run.steered import parabola
 
 CELL = 1e-3  # over which a velocity is integrated by one formula [s]
 _POINTS, _WEIGHTS = (x.tolist() for x in np.polynomial.legendre.leggauss(4))
@@ -70,6 +73,7 @@ class Drive:
         self.begin, self.place, self.speed, self.acceleration = 0.0, 0.0, 0.0, 0.0
         self._offset, self.acts = 0.0, False
         self._travel: Callable[[float], float] = _at_rest
+        self._powers = np.zeros((3, 3, 1))  # of the time since it began, see `sample`
 
     def start(self, begin: float, end: float | None = None) -> None:
         """Act from `begin` [s] on, from the place in the present state of mbs.
@@ -91,6 +95,8 @@ class Drive:
         self._offset, self.acts = float(self._mbs.GetObjectParameter(self.number, "offset")), True
         self.begin, self.place, self.speed, self.acceleration = begin, place, speed, acceleration
         self._travel = Travel(self.velocity, begin) if self.rate else self._steady_travel
+        p, v, a = place, speed, acceleration
+        self._powers = np.array([[[p], [v], [a]], [[v], [a], [0.0]], [[0.5 * a], [0.0], [0.0]]])
 
     def _steady_travel(self, t: float) -> float:
         return (self.speed + 0.5 * self.acceleration * (t - self.begin)) * (t - self.begin)
@@ -101,6 +107,14 @@ class Drive:
             return float(self.rate(self._mbs, t, self.number, self._offset))
         return self.speed + self.acceleration * (t - self.begin)
 
+    def sample(self, times: Sequence[float]) -> Array:
+        """(T, 3, 1) the place and its two derivatives at these times [s]."""
+        if self.rate:
+            values = many_differences(self.velocity, times)[:, [0, 0, 1]]
+            values[:, 0, 0] = [self.place + self._travel(t) for t in times]
+            return values
+        return parabola(self._powers, [t - self.begin for t in times])
+
     def functions(self) -> dict[str, Any]:
         """Exudyn's user functions of the place and its rate."""
 
@@ -110,12 +124,8 @@ class Drive:
         def velocity(mbs: Any, t: float, itemNumber: int, lOffset: float) -> float:
             return self.velocity(t)
 
-        def acceleration(t: float) -> float:
-            return self.acceleration
-
         place.of_time_alone = velocity.of_time_alone = True  # type: ignore[attr-defined]
-        place.is_driven, place.period = True, self.period  # type: ignore[attr-defined]
-        place.acceleration = None if self.rate else acceleration  # type: ignore[attr-defined]
+        place.drive, place.period = self, self.period  # type: ignore[attr-defined]
         velocity.given = self.given["offsetUserFunction_t"]  # type: ignore[attr-defined]  # counts in restart files
         return dict(zip(_FUNCTIONS, (place, velocity), strict=True))
 

@@ -1,5 +1,6 @@
 """The external force of one cable: gravity, constant forces, and sampled histories; and its motions."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -212,7 +213,7 @@ class CableLoads:
     def _of_motion(self, motion: Motion, times: list[float]) -> Array:
         """(T, 3 dim) p, p_t, p_tt.   SceneError if they are not finite."""
         values: Array = motion.sample(times).reshape(len(times), -1)
-        if not np.isfinite(values).all():
+        if not math.isfinite(np.add.reduce(values, axis=None)) and not np.isfinite(values).all():
             bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
             raise SceneError(
                 f"a motion prescribed to a node of {self._name} has place, velocity and acceleration "

@@ -34,6 +34,7 @@ from .consistent_start import (
     NOTHING,
     StartCorrection,
     Violation,
+    agree,
     project,
     require_consistent,
     worst_violations,
@@ -410,9 +411,17 @@ class CableRun(PacedRun):
 
         What has changed the energy is no error.
         """
+        self._begin_from(time, self.loads.at(time))
+
+    def move_on(self, time: float, end: float, has_changed: bool) -> None:
+        """Begin again with supports that have been moved; arguments: see `CoupledRun.move_on`."""
+        external = self.loads.at(time)
+        agree(self.called, external, self.state)
+        self._begin_from(time, external)
+
+    def _begin_from(self, time: float, external: Array) -> None:
         if not self._stretches:
             self.forget()
-        external = self.loads.at(time)
         self._start_from(external)
         self.watch.begin_again(self.called, external, self.state)
         if self.loads.follows:

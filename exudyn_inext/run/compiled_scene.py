@@ -14,7 +14,7 @@ from ..cable.cable import Cable
 from ..cable.chain import Chain
 from ..cable.many_cables import Systems, cable_systems, in_few_chains
 from ..called_system import Bound, behind, called, implements, provide
-from ..compiled import Prepared
+from ..compiled import Prepared, kernel
 from ..errors import OffCableError, RedundantConstraintError
 from ..integrators.integrator import NO_WORK, LoadHistory
 from ..multibody.build import FunctionOfTime, copied, held_coordinates, with_dashpots
@@ -105,6 +105,21 @@ class SceneLoads:
         end = len(self.constant) - follows
         self._last = slice(end - len(self._is_given), end)
         self._only_moves = 3 * len(moved.joints) + follows == len(self.pattern)
+        self._kept: tuple[float, Array] | None = None  # time [s], and what `at` says then
+
+    @contextmanager
+    def kept_at(self, time: float) -> Iterator[None]:
+        """Nothing that acts at `time` [s] changes meanwhile: `at` finds it once."""
+        self._kept = None if self.of_state else (time, self.at(time))
+        try:
+            yield
+        finally:
+            self._kept = None
+
+    def inputs_of_cables(self) -> list[slice]:
+        """Which part of what `at` says is a cable's own."""
+        ends = np.cumsum([0, *(len(of_cable.constant) for of_cable in self._of_cables)]).tolist()
+        return list(starmap(slice, pairwise(ends)))
 
     def take_constants(self) -> None:
         """Constant loads on cables, which have been changed."""
@@ -120,12 +135,14 @@ class SceneLoads:
         return followed
 
     def at(self, t: float) -> Array:
-        """(n_external,) at t [s]."""
+        """(n_external,) at t [s]; not to be written to."""
+        if self._kept and self._kept[0] == t:
+            return self._kept[1]
         external = self.constant.copy()
         if not len(self.pattern):
             return external
         if self._only_moves:
-            external[self._on_cables[1].stop : self._last.stop] = self._moved.at(t).T.ravel()
+            external[self._on_cables[1].stop : self._last.stop] = self._moved.values([t])
             if self.ramp:
                 external[-1] = self.ramp.share(t)
         else:
@@ -242,6 +259,9 @@ class CompiledScene:
         self._set(system)
         self._violation = Prepared(joint_violation)
         self._memory = np.zeros(len(system.items.force)), np.zeros(REPORTED)
+        self._rates_of_cables = [Bound(index_reduced_rates, own) for _, own, _ in cables]
+        self._inputs_of_cables = loads.inputs_of_cables()
+        self._find_violated = Prepared(_violated)
         self._subtract_joint_forces = Prepared(subtract_joint_forces)
         self.forces = system.items.force
         self.given, self.data = system.items.given, system.items.data
@@ -434,10 +454,11 @@ class CompiledScene:
             one.items.joints.rows["rest"][moved.rows] = given
         moved.rest()
         self.violation(time, q)
-        values = self.system.items.joints.value
-        are_violated = np.abs(values) > tolerance
-        moved.aim(np.where(are_violated, values, 0.0)[moved.rows], time, end)
-        return not are_violated[self._not_moved].any()
+        left = np.zeros(len(given))
+        values, others = self.system.items.joints.value, self._not_moved
+        can_move = self._find_violated(values, moved.rows, others, tolerance, left)
+        moved.aim(left, time, end)
+        return bool(can_move)
 
     @property
     def _systems(self) -> Sequence[SceneSystem]:
@@ -611,11 +632,11 @@ class CompiledScene:
 
     def report_energy(self, t: float, state: Any, energy_report: Array, scale: float = np.inf) -> None:
         """See `EvaluatedScene`."""
+        external, q = self.loads.at(t), state.q
         if len(self.multipliers):
             for cable, (_, _, loads) in enumerate(self._cables):
                 if len(loads.pattern):  # its own solve knows no joints
-                    self.set_multipliers(cable, t, state.q, state.v)
-        external, q = self.loads.at(t), state.q
+                    self._solve_cable(cable, external[self._inputs_of_cables[cable]], q, state.v)
         self._report(external, q, state.v, state.a, self._memory[0], energy_report)
         if len(self.multipliers) and scale < np.inf:
             functions = external[len(self.system.cable_force) :]
@@ -662,11 +683,15 @@ class CompiledScene:
 
     def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
         """See `EvaluatedScene`."""
-        dofs, system, loads = self._cables[cable]
+        return self._solve_cable(cable, self._cables[cable][2].at(t), q, v)
+
+    def _solve_cable(self, cable: int, external: Array, q: Array, v: Array) -> Array:
+        """Accelerations of a cable under `external` and what joins it, of which it then has multipliers."""
+        dofs = self._cables[cable][0]
         size = dofs.stop - dofs.start
-        force, (a, rate) = loads.at(t).copy(), np.zeros((2, size))
+        force, (a, rate) = external.copy(), np.zeros((2, size))
         force[:size] += self._joined_forces(self.system)[dofs]
-        index_reduced_rates(system, force, q[dofs], v[dofs], a, rate)
+        self._rates_of_cables[cable](force, q[dofs], v[dofs], a, rate)
         return a
 
 
@@ -679,6 +704,17 @@ def _accelerate_compiled(scene: CompiledScene, *arguments: Any) -> None:
 @implements(index_reduced_rates, CompiledScene, compiled=lambda function: function)
 def _rates_of_compiled(scene: CompiledScene, external: Array, q: Array, v: Array, *others: Any) -> None:
     index_reduced_rates(scene.system, scene.loads.follow(external, q, v), q, v, *others)
+
+
+@kernel
+def _violated(values, rows, others, tolerance, left):
+    """Whether only those rows are violated by more than the tolerance, by which values are `left` (k,)."""
+    for k in range(len(rows)):
+        left[k] = values[rows[k]] if abs(values[rows[k]]) > tolerance else 0.0
+    can_move = True
+    for row in others:
+        can_move = can_move and abs(values[row]) <= tolerance
+    return can_move
 
 
 def _changes(ramps: Ramps, kind: int, places: np.ndarray, before: Array) -> tuple[int, Any, Array, Array]:

@@ -88,6 +88,7 @@ class CoupledRun(LimitedRun):
                 self._project(start)
             else:
                 self._approach(start.time, end_of_step)
+                self.mover.begin_by(agree, start.time)
         except RedundantConstraintError as error:
             raise self._explained(error) from None
         self.mover.compile_steps(start.time)
@@ -255,24 +256,11 @@ class CoupledRun(LimitedRun):
         self.control.present = h
         self.mover.set_step(h)
 
-    def approach(self, time: float, end: float) -> None:
-        """Let joints that have been changed be fulfilled at `end` [s], with velocities for that."""
-        was_compiled = self.is_compiled
-        self._approach(time, end)
-        if was_compiled and not self._by_kernels:
-            self.watch.evaluate_by(self._scene)
-            self.mover.begin_by(self.integrator.resume, time)
-
     def _approach(self, time: float, end: float) -> None:
+        """Let joints that have been changed be fulfilled at `end` [s]."""
         if not self.mover.approach_joints(time, end):
             self._leave_kernels("joints that are being moved")
             self.mover.approach_joints(time, end)
-        self.mover.begin_by(agree, time)
-
-    def rest_joints(self, time: float) -> None:
-        """After an approach."""
-        self.mover.rest()
-        self.mover.begin_by(agree, time)
 
     def accelerations(self, time: float, multipliers: Array) -> Array:
         """See `CableRun.accelerations`; neither extrapolated nor stabilised, as those of the steps are."""
@@ -343,6 +331,24 @@ class CoupledRun(LimitedRun):
             self.forget()
         self.start_scheme(time)
         self.watch.begin_again(time, self.state)
+
+    def move_on(self, time: float, end: float, has_changed: bool) -> None:
+        """Begin again at `time` [s] with joints that move to where they have been set, or rest.
+
+        end: of the step, in which they get there [s].   has_changed: whether they do.
+        """
+        was_compiled = self.is_compiled
+        if has_changed:
+            self._approach(time, end)
+        else:
+            self.mover.rest()
+        self.watch.is_close = self.mover.approaches
+        with self.mover.loads_kept(time):
+            self.mover.begin_by(agree, time)
+            if was_compiled and not self._by_kernels:
+                self.watch.evaluate_by(self._scene)
+                self.mover.begin_by(self.integrator.resume, time)
+            self.begin_again(time)
 
     def forget(self) -> None:
         self._scene.forget()
@@ -490,7 +496,7 @@ class CoupledRun(LimitedRun):
         if not self._has_axial_forces:
             self.mover.begin_by(self.integrator.start, time)
             return
-        given = self.mover.system, self.mover.external_at(time), self.state, self.control.present
+        given = self.mover.quick_system, self.mover.external_at(time), self.state, self.control.present
         accelerate_again(*given, self._corrections.values(), self._learned)
 
     def watch_on(self, time: float) -> None:

@@ -66,7 +66,7 @@ class MovedByKernels(Mover):
         return self._form.system
 
     @property
-    def _quick_system(self) -> CompiledScene:
+    def quick_system(self) -> CompiledScene:
         return self._form
 
     def begin_by(self, function: Callable[..., None], time: float) -> None:
@@ -83,6 +83,9 @@ class MovedByKernels(Mover):
     def external_at(self, time: float) -> Array:
         loads = self._form.loads
         return loads.follow(loads.at(time), self._state.q, self._state.v)
+
+    def loads_kept(self, time: float) -> AbstractContextManager[None]:
+        return self._form.loads.kept_at(time)
 
     @property
     def followed_system(self) -> Any:

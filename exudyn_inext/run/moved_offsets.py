@@ -58,6 +58,4 @@ class MovedOffsets(Steered):
 
     def values(self, times: Sequence[float]) -> Array:
         """(T, 3 k) what is left at the times, and its derivatives [m, m/s, m/s^2], of one after the other."""
-        if not self.moves:
-            return np.zeros((len(times), 3 * len(self.rows)))
-        return np.array([self.at(t).T.ravel() for t in times])
+        return self.left_at(times).transpose(0, 2, 1).reshape(len(times), -1)

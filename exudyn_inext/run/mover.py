@@ -91,12 +91,16 @@ class Mover:
 
     def begin_by(self, function: Callable[..., None], time: float) -> None:
         """Begin with a function of the integrator, of (system, external, state)."""
-        plain(function)(self._quick_system, self.external_at(time), self._state)
+        plain(function)(self.quick_system, self.external_at(time), self._state)
 
     @property
-    def _quick_system(self) -> Any:
+    def quick_system(self) -> Any:
         """The system, for single evaluations."""
         return self.system
+
+    def loads_kept(self, time: float) -> AbstractContextManager[None]:
+        """Loads at `time` [s], and motions, are not asked for again meanwhile."""
+        return nullcontext()
 
     def take_constants(self) -> None:
         """Constant loads on cables, which have been changed."""

@@ -1,8 +1,11 @@
 """Places that functions of the user set step by step, and how they are reached within each step."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..arrays import Array
+from ..compiled import inlined, kernel
 
 _SAME = 1e-6  # of times, in steps
 _GROWTH = 2.0  # of the acceleration from one step to the next, at most
@@ -23,50 +26,84 @@ class Steered:
         """size: number n of values."""
         self.memory = np.zeros(4 * size + 3)
         self._history = self.memory[3:].reshape(2, 2, size)  # rates and changes, before and in this step
-        self._rates, self._changes = self._history
         self._times = self.memory[:3]  # duration of the step before, begin and end of this one [s]
-        self._nothing, *self._powers = np.zeros((4, 3, size))  # of the time that is left
+        self._powers, self._none = np.zeros((2, 3, 3, size))  # of the time that is left
         self._end = 0.0
-        self._asked, self._left = np.nan, self._nothing  # the last time [s], and what `at` said then
+        self._asked: list[float] | None = None  # times [s], and what `left_at` said then
         self.moves = False
 
     def aim(self, left: Array, time: float, end: float) -> None:
         """So much (n,) is left at `time` [s], and nothing at `end` [s] of the same step."""
-        self._turn_over(time, end)
-        self._end, duration = end, end - time
-        before = float(self._times[0]) or duration
-        self._rates[1] = rates = left / duration
-        self._changes[1] = 2.0 * (rates - self._rates[0]) / (before + duration)
-        bend = _smaller(self._changes[1], _GROWTH * self._changes[0])
-        steady, linear, quadratic = self._powers
-        linear[0], linear[1] = rates + 0.5 * duration * bend, bend
-        steady[1], steady[2], quadratic[0] = -linear[0], -bend, -0.5 * bend
-        self.moves, self._asked = any(left.tolist()), np.nan
-
-    def _turn_over(self, time: float, end: float) -> None:
-        """What is known of the step so far becomes that of the step before, if this one is another."""
-        nearly = _SAME * (end - time)
-        last_begin, last_end = self._times[1:].tolist()
-        if abs(time - last_begin) <= nearly and abs(end - last_end) <= nearly:
-            return
-        follows = abs(time - last_end) <= nearly
-        self._history[:, 0] = self._history[:, 1] if follows else 0.0
-        self._times[:] = last_end - last_begin if follows else 0.0, time, end
+        self._end, self._asked = end, None
+        self.moves = bool(_set_powers(self._times, self._history, self._powers, left, time, end))
 
     def rest(self) -> None:
         """Stay there."""
-        self.moves = False
+        self.moves, self._asked = False, None
 
-    def at(self, t: float) -> Array:
-        """(3, n) what is left at t [s], within the step or later, and its derivatives; to be read only."""
-        if not self.moves:
-            return self._nothing
-        if t != self._asked:
-            rest, (steady, linear, quadratic) = max(self._end - t, 0.0), self._powers
-            self._asked, self._left = t, steady + rest * (linear + rest * quadratic)
+    def left_at(self, times: Sequence[float]) -> Array:
+        """(T, 3, n) what is left at these times [s], within the step or later, and its derivatives.
+
+        To be read only: they are kept until others are asked for.
+        """
+        if self._asked != list(times):
+            self._asked = list(times)
+            powers = self._powers if self.moves else self._none
+            self._left = parabola(powers, [max(self._end - t, 0.0) for t in times])
         return self._left
 
 
-def _smaller(one: Array, other: Array) -> Array:
+def parabola(powers: Array, times: Sequence[float]) -> Array:
+    """(T, k, n) p_0 + p_1 t + p_2 t^2 at these times.   powers: (3, k, n)."""
+    values = np.empty((len(times), *powers.shape[1:]))
+    _evaluate(powers, np.array(times, dtype=float), values)
+    return values
+
+
+@kernel
+def _evaluate(powers, times, values):
+    for k in range(len(times)):
+        for i in range(powers.shape[1]):
+            for j in range(powers.shape[2]):
+                rise = powers[1, i, j] + times[k] * powers[2, i, j]
+                values[k, i, j] = powers[0, i, j] + times[k] * rise
+
+
+@inlined
+def _turn_over(times, history, time, end):
+    """What is known of the step so far becomes that of the step before, if this one is another."""
+    nearly = _SAME * (end - time)
+    if abs(time - times[1]) <= nearly and abs(end - times[2]) <= nearly:
+        return
+    follows = 1.0 if abs(time - times[2]) <= nearly else 0.0
+    times[0] = follows * (times[2] - times[1])
+    times[1], times[2] = time, end
+    for kind in range(2):
+        for i in range(history.shape[2]):
+            history[kind, 0, i] = follows * history[kind, 1, i]
+
+
+@kernel
+def _set_powers(times, history, powers, left, time, end):
+    """Set the powers (3, 3, n) of the time that is left; returns whether anything is."""
+    _turn_over(times, history, time, end)
+    duration = end - time
+    before = times[0] if times[0] > 0.0 else duration
+    moves = False
+    for i in range(len(left)):
+        rate = left[i] / duration
+        change = 2.0 * (rate - history[0, 0, i]) / (before + duration)
+        history[0, 1, i], history[1, 1, i] = rate, change
+        bend = _smaller(change, _GROWTH * history[1, 0, i])
+        linear = rate + 0.5 * duration * bend
+        powers[0, 1, i], powers[0, 2, i] = -linear, -bend
+        powers[1, 0, i], powers[1, 1, i] = linear, bend
+        powers[2, 0, i] = -0.5 * bend
+        moves = moves or left[i] != 0.0
+    return moves
+
+
+@inlined
+def _smaller(one, other):
     """That which is nearer to zero, where both have the same sign; elsewhere zero."""
-    return np.maximum(np.minimum(one, other), np.minimum(np.maximum(one, other), 0.0))
+    return max(min(one, other), min(max(one, other), 0.0))

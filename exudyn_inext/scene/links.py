@@ -76,7 +76,7 @@ def in_space(coordinate: MovingCoordinate, dim: int) -> MovingCoordinate:
         return coordinate
 
     def along(values: Array) -> Array:
-        return np.multiply.outer(values[..., 0], direction)
+        return values * direction
 
     in_all = replace(
         motion, at=lambda t: along(motion.at(t)), at_times=lambda times: along(motion.sample(times))

@@ -21,6 +21,7 @@ from exudyn.itemInterface import (
 from exudyn.utilities import InertiaCuboid
 
 from exudyn_inext import CreateCableForceSensor, ExplicitStepper, SceneError, SolveExplicit
+from exudyn_inext.exudyn_binding.changes.follower import ChangeFollower
 from exudyn_inext.run.steered import Steered
 from reference_models.model import quiet_settings
 from tests.exudyn_binding.items import SECTION, either_cable, solve_native
@@ -263,6 +264,14 @@ def test_functions_that_step_functions_steer_are_asked_by_compiled_code(new_mbs,
     np.testing.assert_allclose(*found, rtol=0, atol=1e-9)
 
 
+def test_joints_that_move_on_need_no_new_reading(mbs, monkeypatch):
+    readings, read = [], ChangeFollower._followed
+    monkeypatch.setattr(ChangeFollower, "_followed", lambda *given: readings.append(1) or read(*given))
+    Carriage(mbs, 2, True, smoothly)
+    SolveExplicit(mbs, quiet_settings(0.06, 60))
+    assert 1 <= len(readings) <= 2
+
+
 def test_who_does_without_step_functions_refuses_what_they_steer(mbs):
     Carriage(mbs, 2, True, smoothly)
     mbs.SetPreStepUserFunction(0)
@@ -281,20 +290,20 @@ def places_after(places):
 
 def test_a_steady_acceleration_is_kept():
     one, end = places_after([0.0, 0.5, 2.0, 4.5])
-    np.testing.assert_allclose(one.at(end), [[0.0], [-30.0], [-100.0]], atol=1e-9)
-    np.testing.assert_allclose(one.at(end - 0.05), [[1.375], [-25.0], [-100.0]])
-    np.testing.assert_allclose(one.at(end - 0.1)[0], [2.5])
+    np.testing.assert_allclose(one.left_at([end])[0], [[0.0], [-30.0], [-100.0]], atol=1e-9)
+    np.testing.assert_allclose(one.left_at([end - 0.05])[0], [[1.375], [-25.0], [-100.0]])
+    np.testing.assert_allclose(one.left_at([end - 0.1])[0, 0], [2.5])
 
 
 @pytest.mark.parametrize("places", [[0, 0, 1], [0, 0, 1, 1, 2], [0, 1, 0, 1]], ids=str)
 def test_jumps_are_straight(places):
     one, end = places_after(np.array(places, dtype=float))
-    np.testing.assert_allclose(one.at(end - 0.05), [[0.5], [-10.0], [0.0]], atol=1e-12)
+    np.testing.assert_allclose(one.left_at([end - 0.05])[0], [[0.5], [-10.0], [0.0]], atol=1e-12)
 
 
 def test_a_way_after_a_rest_begins_straight():
     one, end = places_after([0.0, 0.5, 2.0])
     one.rest()
-    assert not one.at(end).any()
+    assert not one.left_at([end])[0].any()
     one.aim(np.ones(1), end + 0.1, end + 0.2)
-    np.testing.assert_allclose(one.at(end + 0.2), [[0.0], [-10.0], [0.0]], atol=1e-9)
+    np.testing.assert_allclose(one.left_at([end + 0.2])[0], [[0.0], [-10.0], [0.0]], atol=1e-9)

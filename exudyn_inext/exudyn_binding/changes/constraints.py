@@ -10,7 +10,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...cable.link import Motion
-from ...items.functions_of_time import is_driven
+from ...items.functions_of_time import drive_of
 from ...items.link_items import read_moving_coordinate
 from ...items.parameters import Parameter, markers_placed_by
 from ...native.velocity_level import Drives
@@ -34,17 +34,18 @@ class _Way(Steered):
         """point: (dim,) where it is [m]."""
         super().__init__(len(point))
         self._point = point
-        self.motion = Motion(self._place, is_pure=False, is_smooth=False)
+        at_times = self._places
+        self.motion = Motion(lambda t: at_times([t])[0], is_pure=False, is_smooth=False, at_times=at_times)
 
     def lead(self, point: Array, time: float, end: float) -> None:
         """Be at `point` (dim,) [m] at the time `end` [s] of the step from `time` [s]."""
         self.aim(point - self._point, time, end)
         self._point = point
 
-    def _place(self, t: float) -> Array:
-        """(3, dim) p, p_t, p_tt at t [s], within the step or later."""
-        values = -self.at(t)
-        values[0] += self._point
+    def _places(self, times: Sequence[float]) -> Array:
+        """(T, 3, dim) p, p_t, p_tt at these times [s], within the step or later."""
+        values = -self.left_at(times)
+        values[:, 0] += self._point
         return values
 
 
@@ -216,4 +217,4 @@ def _asked(found: Constraint, data: dict[str, Any]) -> tuple[Any, ...]:
     if isinstance(found, Rod):
         return found.nodes, found.length, None if found.point is None else tuple(found.point.tolist())
     functions = [data[name] and data[name]["function"] for name in _OFFSET_FUNCTIONS]
-    return *functions, 0.0 if is_driven(data["offsetUserFunction"]) else float(data["offset"])
+    return *functions, 0.0 if drive_of(data["offsetUserFunction"]) else float(data["offset"])

@@ -11,7 +11,7 @@ from exudyn.exudynCPP import ObjectIndex
 
 from ...cable.link import Motion
 from ...items.attach.inert import is_inert_cable
-from ...items.functions_of_time import is_driven
+from ...items.functions_of_time import drive_of
 from ...items.parameters import Parameter, markers_placed_by, objects_at
 from ...native.known.linear_forces import OF_MATRICES
 from ...native.known.trees import ACTING, ON_LINKS
@@ -76,7 +76,7 @@ def _demand_of_joint(
 ) -> Demand:
     if key.name not in _PLACES or any(run.holds(key.number) for run in coupled):
         return Demand.BUILD
-    has_velocity = is_driven(data.get("offsetUserFunction"))
+    has_velocity = drive_of(data.get("offsetUserFunction")) is not None
     if key.number in own and not has_velocity:
         return Demand.READ
     if not data["activeConnector"]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import starmap
 from typing import Any
 
@@ -12,7 +13,6 @@ from ...items.parameters import Parameter
 from ...native.native_items import state_kept
 from ...run.cable_loads import CableLoads
 from ...run.cable_run import CableRun
-from ...run.consistent_start import agree
 from ...run.coupled_run import CoupledRun, Run
 from ...run.ramp import Line
 from ...run.settings import ExplicitSettings
@@ -111,13 +111,12 @@ class ChangeFollower:
         self._has_jumped(runs, time)
         self.reader.drives.follow(changed, time, end)
         self.reader.begin_step(time, end)
-        if self._act_at_once(runs, changed, time) or self._moves_at_once(runs, changed, time, end):
+        if self._act_at_once(runs, changed, time, end) or self._moves_at_once(runs, changed, time, end):
             return runs
         with state_kept(self.mbs):
             self.mbs.systemData.SetTime(time)
             runs = self._followed(runs, changed, time, end)
-        coupled = [run for run in runs if isinstance(run, CoupledRun)]
-        self.moves = self.reader.moves or any(run.mover.approaches for run in coupled)
+        self.moves = self._is_moving([run for run in runs if isinstance(run, CoupledRun)])
         return runs
 
     def require_all_seen(self, runs: Sequence[Run]) -> None:
@@ -144,16 +143,20 @@ class ChangeFollower:
                 "before a run."
             )
 
-    def _act_at_once(self, runs: Sequence[Run], changed: Mapping[Parameter, Any], time: float) -> bool:
-        """Whether all that has changed are values of loads, springs and masses, which act now."""
-        if self.moves or self._jumped or self.limit.is_due(time) or self.limit.grown(changed):
+    def _act_at_once(
+        self, runs: Sequence[Run], changed: Mapping[Parameter, Any], time: float, end: float
+    ) -> bool:
+        """Whether all that has changed are values of loads, springs and masses, or joints that move on."""
+        if self.limit.is_due(time) or self.limit.grown(changed):
             return False
         alone = _alone(runs)
         if alone:
-            return self._load_at_once(alone, changed, time)
+            return not (self.moves or self._jumped) and self._load_at_once(alone, changed, time)
         most, items, weights = self._sort(runs, changed)
-        if most > Demand.BEGIN or not _have_begun(runs):
+        if most > Demand.MOVE or not _have_begun(runs):
             return False
+        if self.moves or self._jumped or most > Demand.BEGIN:
+            return not weights and self._move_on(runs, {key: changed[key] for key in items}, most, time, end)
         if weights or most == Demand.BEGIN:
             forget_evaluators(self.sensors)
         else:
@@ -168,6 +171,26 @@ class ChangeFollower:
         for run in coupled if most == Demand.BEGIN else ():
             start_after_jump(run, run.begin_again, time)
         return True
+
+    def _move_on(
+        self, runs: Sequence[Run], items: Mapping[Parameter, Any], most: Demand, time: float, end: float
+    ) -> bool:
+        """Whether these have changed in compiled scenes whose joints move, or did in the last step.
+
+        most: that they ask for.
+        """
+        coupled = [run for run in runs if isinstance(run, CoupledRun)]
+        line = None if most == Demand.BEGIN else self._line_of_forces(runs, items)
+        values = {key: x for key, x in items.items() if self._demands[key] != Demand.DRIVE}
+        if not all([run.completes and run.mover.take_values(values, line) for run in coupled]):
+            return False
+        forget_evaluators(self.sensors)
+        _go_on(runs, time, end, self._jumped or most == Demand.MOVE)
+        self.moves = self._is_moving(coupled)
+        return True
+
+    def _is_moving(self, coupled: Sequence[CoupledRun]) -> bool:
+        return self.reader.moves or any(run.mover.approaches for run in coupled)
 
     def _sort(self, runs: Sequence[Run], changed: Mapping[Parameter, Any]) -> tuple[Demand, Any, Any]:
         """The most that they ask for, those that ask for anything, and, of neither, weights of cables."""
@@ -203,7 +226,7 @@ class ChangeFollower:
         if not (alone and changed and all(starmap(self.reader.aims, places.items()))):
             return False
         loads = _components({key: x for key, x in changed.items() if key not in places})
-        if _loaded(alone, loads, self._line) is None:
+        if loads and _loaded(alone, loads, self._line) is None:
             return False
         forget_evaluators(self.sensors)
         _go_on(alone, time, end, has_changed=True)
@@ -336,15 +359,7 @@ def _go_on(runs: Sequence[Run], time: float, end: float, has_changed: bool) -> N
         has_changed: whether joints may have; if not, they rest.
     """
     for run in runs:
-        if isinstance(run, CableRun):
-            agree(run.called, run.loads.at(time), run.state)
-        else:
-            if has_changed:
-                run.approach(time, end)
-            else:
-                run.rest_joints(time)
-            run.watch.is_close = run.mover.approaches
-        start_after_jump(run, run.begin_again, time)
+        start_after_jump(run, partial(run.move_on, end=end, has_changed=has_changed), time)
 
 
 def start_after_jump(run: Run, start: Callable[[float], None], time: float) -> None:

@@ -10,7 +10,7 @@ from exudyn.rigidBodyUtilities import RotXYZ2RotationMatrix
 from ...arrays import Array
 from ...constraints.motion import many_differences, motion_of
 from ...items.functions_of_steps import FunctionsOfSteps
-from ...items.functions_of_time import acceleration_of, is_driven, is_of_time_alone, python_function
+from ...items.functions_of_time import drive_of, is_of_time_alone, python_function
 from ...multibody.build import FunctionOfTime
 from ...run.moved_offsets import Sampled
 from ...run.settings import SAY_OF_TIME
@@ -97,7 +97,7 @@ def _is_steered(
     offset = data[OFFSET_FUNCTIONS[0]]
     given = [data[key] for key in OFFSET_FUNCTIONS[: _NUMBERS[data["objectType"]]] if data[key]]
     if all(is_of_time_alone(mbs, one) for one in given):
-        return is_set and not is_driven(offset)
+        return is_set and not drive_of(offset)
     if not is_of_time_alone(mbs, offset) and offset not in of_steps:
         raise UnknownItemError(
             f"{joint.name}, whose user function may depend on the state (if not: {SAY_OF_TIME})"
@@ -108,6 +108,8 @@ def _is_steered(
 def _sampled_offset(mbs: Any, joint: JointItem, data: dict[str, Any], offset: _OfTime) -> FunctionOfTime:
     """Of a CoordinateConstraint, with the rate that is given; one that is steered has another one."""
     given, of_rate = (data[key] for key in OFFSET_FUNCTIONS)
+    if drive := drive_of(given):
+        return lambda times: drive.sample(times)[:, :, 0]
     rate = _OfTime(mbs, joint, data, OFFSET_FUNCTIONS[1]) if of_rate else None
-    motion = motion_of(offset, rate, acceleration_of(given), is_driven=is_driven(given))
+    motion = motion_of(offset, rate)
     return lambda times: motion.sample(times)[:, :, 0]
