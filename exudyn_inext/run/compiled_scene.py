@@ -116,11 +116,6 @@ class SceneLoads:
         finally:
             self._kept = None
 
-    def inputs_of_cables(self) -> list[slice]:
-        """Which part of what `at` says is a cable's own."""
-        ends = np.cumsum([0, *(len(of_cable.constant) for of_cable in self._of_cables)]).tolist()
-        return list(starmap(slice, pairwise(ends)))
-
     def take_constants(self) -> None:
         """Constant loads on cables, which have been changed."""
         constants = [of_cable.constant for of_cable in self._of_cables]
@@ -260,7 +255,6 @@ class CompiledScene:
         self._violation = Prepared(joint_violation)
         self._memory = np.zeros(len(system.items.force)), np.zeros(REPORTED)
         self._rates_of_cables = [Bound(index_reduced_rates, own) for _, own, _ in cables]
-        self._inputs_of_cables = loads.inputs_of_cables()
         self._find_violated = Prepared(_violated)
         self._subtract_joint_forces = Prepared(subtract_joint_forces)
         self.forces = system.items.force
@@ -632,11 +626,11 @@ class CompiledScene:
 
     def report_energy(self, t: float, state: Any, energy_report: Array, scale: float = np.inf) -> None:
         """See `EvaluatedScene`."""
-        external, q = self.loads.at(t), state.q
         if len(self.multipliers):
             for cable, (_, _, loads) in enumerate(self._cables):
                 if len(loads.pattern):  # its own solve knows no joints
-                    self._solve_cable(cable, external[self._inputs_of_cables[cable]], q, state.v)
+                    self.set_multipliers(cable, t, state.q, state.v)
+        external, q = self.loads.at(t), state.q
         self._report(external, q, state.v, state.a, self._memory[0], energy_report)
         if len(self.multipliers) and scale < np.inf:
             functions = external[len(self.system.cable_force) :]
@@ -683,13 +677,9 @@ class CompiledScene:
 
     def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
         """See `EvaluatedScene`."""
-        return self._solve_cable(cable, self._cables[cable][2].at(t), q, v)
-
-    def _solve_cable(self, cable: int, external: Array, q: Array, v: Array) -> Array:
-        """Accelerations of a cable under `external` and what joins it, of which it then has multipliers."""
-        dofs = self._cables[cable][0]
+        dofs, _, loads = self._cables[cable]
         size = dofs.stop - dofs.start
-        force, (a, rate) = external.copy(), np.zeros((2, size))
+        force, (a, rate) = loads.at(t).copy(), np.zeros((2, size))
         force[:size] += self._joined_forces(self.system)[dofs]
         self._rates_of_cables[cable](force, q[dofs], v[dofs], a, rate)
         return a

@@ -29,28 +29,21 @@ class Steered:
         self._times = self.memory[:3]  # duration of the step before, begin and end of this one [s]
         self._powers, self._none = np.zeros((2, 3, 3, size))  # of the time that is left
         self._end = 0.0
-        self._asked: list[float] | None = None  # times [s], and what `left_at` said then
         self.moves = False
 
     def aim(self, left: Array, time: float, end: float) -> None:
         """So much (n,) is left at `time` [s], and nothing at `end` [s] of the same step."""
-        self._end, self._asked = end, None
+        self._end = end
         self.moves = bool(_set_powers(self._times, self._history, self._powers, left, time, end))
 
     def rest(self) -> None:
         """Stay there."""
-        self.moves, self._asked = False, None
+        self.moves = False
 
     def left_at(self, times: Sequence[float]) -> Array:
-        """(T, 3, n) what is left at these times [s], within the step or later, and its derivatives.
-
-        To be read only: they are kept until others are asked for.
-        """
-        if self._asked != list(times):
-            self._asked = list(times)
-            powers = self._powers if self.moves else self._none
-            self._left = parabola(powers, [max(self._end - t, 0.0) for t in times])
-        return self._left
+        """(T, 3, n) what is left at these times [s], within the step or later, and its derivatives."""
+        powers = self._powers if self.moves else self._none
+        return parabola(powers, [max(self._end - t, 0.0) for t in times])
 
 
 def parabola(powers: Array, times: Sequence[float]) -> Array:
