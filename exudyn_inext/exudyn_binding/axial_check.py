@@ -22,7 +22,7 @@ from .kept_states import KeptStates
 
 FEW_LOOKS, LOOKS, MOST_SOLVES = 4, 12, 300  # at tensions, and solves of cables for that, about
 LARGEST_SHARE = 1.0  # of the tension, and of the load under which two elements buckle
-SUSPICIOUS = 0.1  # share in few states, for which more are looked at
+SUSPICIOUS = 0.2  # share in few states, for which more are looked at
 SMALL = 1e-5  # strain that loads no material
 STRAIGHT = 1e-3  # turn along an element that does not buckle, as nothing bends it [-]
 

@@ -141,6 +141,7 @@ def test_user_functions_of_moments_stay(new_mbs, solve):
     require_the_same(new_mbs, solve, build)
 
 
+@pytest.mark.filterwarnings("ignore:.*how it folds depends on its elements")
 def test_elements_in_a_ring_become_a_closed_cable(new_mbs, solve):
     radius, number = 0.4, 8
     angles = 2.0 * np.pi * np.arange(number) / number

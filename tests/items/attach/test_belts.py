@@ -62,6 +62,8 @@ def belts(new_mbs, add_sensor):
     return build
 
 
+@pytest.mark.filterwarnings("ignore:.*vibrates along its axis faster than the steps resolve")
+@pytest.mark.filterwarnings("ignore:.*how it folds depends on its elements")
 def test_three_closed_belts_are_compiled_and_fall_as_native_ones(belts, solve):
     (mbs, sensors), (twin, native_sensors) = belts(add_ours), belts(add_native)
     assert "compiled call" in solve(mbs, END)["path"]

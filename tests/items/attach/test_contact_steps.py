@@ -203,6 +203,7 @@ def test_dashpots_of_contact_do_not_bound_the_step_of_a_cable_that_stretches(
     np.testing.assert_allclose(found[:2], [found[2]] * 2, rtol=1e-3)
 
 
+@pytest.mark.filterwarnings("ignore:.*how it folds depends on its elements")
 def test_contact_that_is_damped_implicitly_is_the_same_scene_after_a_load_was_changed(build, solve):
     """At the end of such a run, all items are compared with Exudyn's, where the damping is explicit."""
     turns = []
