@@ -66,3 +66,12 @@ def test_a_jump_is_named_before_steps_go_over_it_and_its_remedy_works(
     assert report["rejections"] <= 2
     place = mbs.GetNodeOutput(node, exudyn.OutputVariableType.Position)
     assert np.abs(place - [0, SIZE, 0]).max() < 1e-6
+
+
+@pytest.mark.parametrize("is_steered", [False, True])
+def test_a_ramp_may_end_with_the_run(is_steered):
+    """Differences of one side were compared with others: an error spoke of an item that had changed."""
+    duration = 0.05
+    mbs, node = moved_rope(None, False, is_steered, duration)
+    SolveExplicit(mbs, quiet_settings(0.15, 40))
+    assert mbs.GetNodeOutput(node, exudyn.OutputVariableType.Position)[1] == pytest.approx(SIZE, abs=1e-9)
