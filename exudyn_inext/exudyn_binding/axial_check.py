@@ -21,10 +21,11 @@ from .bend_check import cosines_of_turns
 from .kept_states import KeptStates
 
 FEW_LOOKS, LOOKS, MOST_SOLVES = 4, 12, 300  # at tensions, and solves of cables for that, about
-LARGEST_SHARE = 1.0  # of the tension, and of the load under which two elements buckle
+LARGEST_SHARE = 1.0  # of the tension
+LARGEST_LOAD = 0.5  # root mean square, over the load under which two elements buckle
 SUSPICIOUS = 0.2  # share in few states, for which more are looked at
 SMALL = 1e-5  # strain that loads no material
-STRAIGHT = 1e-3  # turn along an element that does not buckle, as nothing bends it [-]
+STRAIGHT, BENDS = 1e-3, 0.2  # turn along elements that nothing bends, and of those that buckle [rad]
 
 Finding = tuple[float, str]  # share, and a sentence
 
@@ -33,7 +34,7 @@ class AxialFindings(NamedTuple):
     """The largest shares of the cables of a run, root mean squares in time.
 
     of_waves: of vibrations that the steps do not resolve in the tension.
-    of_compression: of the compression in the load under which two elements buckle.
+    of_compression: of the compression in `LARGEST_LOAD`.
     """
 
     of_waves: Finding = (0.0, "")
@@ -52,11 +53,12 @@ def axial_findings(kept: KeptStates) -> AxialFindings:
     """Of a run that is over; its state is another one then."""
     if not (kept.run.watch.stretches and len(kept)):
         return AxialFindings()
-    found = _findings(kept, FEW_LOOKS)
-    return found if max(found)[0] < SUSPICIOUS else _findings(kept, LOOKS)
+    found = _findings(kept, FEW_LOOKS, STRAIGHT)
+    return found if max(found)[0] < SUSPICIOUS else _findings(kept, LOOKS, BENDS)
 
 
-def _findings(kept: KeptStates, most: int) -> AxialFindings:
+def _findings(kept: KeptStates, most: int, turn: float) -> AxialFindings:
+    """most: looks.   turn: along compressed elements that count [rad]."""
     run, (times, steps, states) = kept.run, kept.all()
     number = min(most, max(2, MOST_SOLVES // len(run.cables)), len(states))
     places = np.linspace(0, len(states) - 1, number).astype(int)
@@ -71,7 +73,7 @@ def _findings(kept: KeptStates, most: int) -> AxialFindings:
         if cable.scene_cable.cable.stretches:
             mean, by_strains = (np.array([tensions[k] for tensions in of]) for of in (means, strained))
             seen = _Looks(mean, by_strains, _turns(run, k, looks))
-            found.append((_waves(cable.scene_cable, seen), _compression(cable.scene_cable, seen)))
+            found.append((_waves(cable.scene_cable, seen), _compression(cable.scene_cable, seen, turn)))
     return AxialFindings(*map(max, zip(*found, strict=True)))
 
 
@@ -102,14 +104,14 @@ def _waves(cable: CableInScene, looks: _Looks) -> Finding:
     )
 
 
-def _compression(cable: CableInScene, looks: _Looks) -> Finding:
+def _compression(cable: CableInScene, looks: _Looks, turn: float) -> Finding:
     """Of elements that are bent: what is straight stays so, however much it is compressed."""
-    compression = np.where(looks.turns > STRAIGHT, np.maximum(-looks.means, 0.0), 0.0)
+    compression = np.maximum(-looks.means, 0.0)
     stiffness, lengths = cable.cable.section.bending_stiffness, cable.cable.element_lengths
-    shares = compression * (2.0 * lengths / math.pi) ** 2 / stiffness
+    shares = np.where(looks.turns > turn, compression, 0.0) * (2.0 * lengths / math.pi) ** 2 / stiffness
     largest = float(compression.max())
     wanted = 0.5 * math.pi * math.sqrt(stiffness / max(largest, SMALLEST))
-    return _root_mean_square(shares.max(axis=1)), (
+    return _root_mean_square(shares.max(axis=1)) / LARGEST_LOAD, (
         f"cable '{cable.name}' is compressed by up to {largest:.3g} N, under which it buckles in half waves "
         f"of {2.0 * wanted:.2g} m: how it folds depends on its elements. Take elements of at most "
         f"{wanted:.2g} m, or avoid the blow: start from SolveEquilibrium(mbs), or let loads change gradually."
