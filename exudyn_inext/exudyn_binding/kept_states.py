@@ -39,8 +39,7 @@ class KeptStates:
         if offset < len(history):
             rows = np.arange(offset, len(history), self._every)
             steps = self.run.steps_before(len(history))[rows]
-            times = np.array([grid.time(first + row + 1) for row in rows.tolist()])
-            self._blocks.append((first + rows, times, steps, history[rows, :2]))
+            self._blocks.append((first + rows, grid.times(first + rows + 1), steps, history[rows, :2]))
             self._number += len(rows)
 
     def _leave_out_half(self) -> None:

@@ -4,6 +4,9 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from ..arrays import Array, Places
 from ..checks import SMALLEST, require_finite, require_positive
 from ..errors import InputError
 
@@ -40,6 +43,10 @@ class TimeGrid:
     def time(self, loop_step: int) -> float:
         """Time after that many steps of the loop [s]."""
         return self.start + (self.before + loop_step * self.substeps) * self.h
+
+    def times(self, loop_steps: Places) -> Array:
+        """As `time`, after each of these numbers of steps (k,)."""
+        return np.asarray(self.start + (self.before + loop_steps * self.substeps) * self.h)
 
 
 def time_grid(mbs: Any, settings: Any, wanted: float) -> TimeGrid:
