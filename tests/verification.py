@@ -15,9 +15,10 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 ROOT = Path(__file__).parents[1]
-TESTED = (
-    "known_answers statics cable integrators exudyn_binding native reference_models bad_input properties"
-).split()
+TESTED = [
+    *("known_answers", "statics", "cable", "integrators", "exudyn_binding", "native", "reference_models"),
+    *("bad_input", "properties"),
+]
 TITLE = """# Verification: what the tests found
 
 Written by `python -m tests.verification` on {date} (Python {python}, Exudyn {exudyn}, numba {numba}).

@@ -842,9 +842,8 @@ def test_what_a_run_cannot_follow_is_refused_with_the_state_before(change, besid
     model.mbs.SetPreStepUserFunction(lambda mbs, t: True)
     assert model.run_again(quiet_settings(0.2, 200))["success"]
     where = "among bodies" if beside_a_mass else "cables alone"
-    fault(
-        f"a pre-step function tries: {name_of(change)} ({where})", "refused by name; mbs as before that step"
-    )
+    tried = name_of(change).replace("_", " ")
+    fault(f"a pre-step function tries to {tried} ({where})", "refused by name; mbs as before that step")
 
 
 def test_a_parameter_that_does_not_exist_is_named_as_it_was_set():
