@@ -79,7 +79,10 @@ def in_space(coordinate: MovingCoordinate, dim: int) -> MovingCoordinate:
         return values * direction
 
     in_all = replace(
-        motion, at=lambda t: along(motion.at(t)), at_times=lambda times: along(motion.sample(times))
+        motion,
+        at=lambda t: along(motion.at(t)),
+        at_times=lambda times: along(motion.sample(times)),
+        position=lambda t: along(motion.place(t)),
     )
     return replace(coordinate, motion=in_all)
 

@@ -75,3 +75,22 @@ def test_a_ramp_may_end_with_the_run(is_steered):
     mbs, node = moved_rope(None, False, is_steered, duration)
     SolveExplicit(mbs, quiet_settings(0.15, 40))
     assert mbs.GetNodeOutput(node, exudyn.OutputVariableType.Position)[1] == pytest.approx(SIZE, abs=1e-9)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_of_several_supports_the_one_that_jumps_is_named(dimension):
+    mbs = exudyn.SystemContainer().AddSystem()
+    line = {"gravity": [0, -9.81, 0], "dimension": dimension}
+    cable = CreateInextensibleCable(mbs, [0, 0, 0], [1, 0, 0], 4, InextensibleCable(0.1, 0.01), **line)
+    ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+    functions = [
+        lambda mbs, t, number, offset: 0.01 * t**3,
+        lambda mbs, t, number, offset: SIZE * (t > AT),
+    ]
+    ends = cable["nodes"][0], cable["nodes"][-1]
+    for node, function in zip(ends, functions, strict=True):
+        held = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=1))
+        mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, held], offsetUserFunction=function))
+    mbs.Assemble()
+    with pytest.raises(DivergenceError, match=rf"Cause: .* at node {ends[1]} of cable .* moves by {SIZE} m"):
+        SolveExplicit(mbs, quiet_settings(END, 40))
