@@ -45,7 +45,9 @@ CONTACT = record_type(
         ("length", np.float64),  # of a segment
         ("height", np.float64),  # of the ends above the cable's axis
         ("implicit", np.bool_),  # whether its damping may be, see `implicit_contacts`
+        ("springs", np.float64, (2,)),  # stiffness along n and t that may be, too [N/m]
         ("lag", np.float64),  # the step h [s] where it is; 0: it is explicit
+        ("mass", np.float64),  # of a segment [kg]
         ("wrench", np.float64, (6,)),
     ]
 )
@@ -67,6 +69,7 @@ SEGMENT = record_type(
         ("force", np.float64, (2,)),  # f_n, f_t
         ("acceleration", np.float64, (2,)),  # B a along n and t
         ("mass", np.float64, (2,)),  # W along n and t
+        ("damping", np.float64, (2,)),  # what of it is due to damping
     ]
 )
 
@@ -233,24 +236,38 @@ def _settle(contact, circle, segment, data, at):
 
 
 @inlined
+def _set_mass(contact, segment, axis, damping, spring):
+    """W along n or t."""
+    lag = SHARE * contact.lag
+    segment.damping[axis] = lag * damping
+    segment.mass[axis] = lag * (damping + contact.lag * spring)
+
+
+@inlined
+def _rub(contact, circle, segment, data, state, at):
+    """Set f_t; its damping and its spring, as far as that may be implicit."""
+    if abs(state) == 1:
+        segment.force[1] = state * contact.friction * abs(segment.force[0])
+        speed, force = abs(segment.rate[1]), abs(segment.force[1])
+        return (force / speed if force < contact.viscosity * speed else contact.viscosity), 0.0
+    segment.force[1] = contact.viscosity * segment.rate[1]
+    if state == int(STICKS) and contact.friction_stiffness != 0.0:
+        slip, _ = _slip(contact, circle, segment, data[NOW, at + 2 * contact.segments])
+        segment.force[1] += contact.friction_stiffness * slip
+        return contact.viscosity, contact.springs[1]
+    return contact.viscosity, 0.0
+
+
+@inlined
 def _set_force(contact, circle, segment, data, at):
     """Of a segment that touches."""
     segment.force[0], segment.force[1] = _normal_force(contact, segment), 0.0
-    lag = SHARE * contact.lag
-    segment.mass[0], segment.mass[1] = lag * contact.damping, 0.0
+    damping, spring = 0.0, 0.0
     if contact.has_friction:
-        segment.mass[1] = lag * contact.viscosity
         state = int(data[NOW, at + contact.segments])
-        if abs(state) == 1:
-            segment.force[1] = state * contact.friction * abs(segment.force[0])
-            speed, force = abs(segment.rate[1]), abs(segment.force[1])
-            if force < contact.viscosity * speed:
-                segment.mass[1] = lag * force / speed
-            return
-        segment.force[1] = contact.viscosity * segment.rate[1]
-        if state == int(STICKS) and contact.friction_stiffness != 0.0:
-            slip, _ = _slip(contact, circle, segment, data[NOW, at + 2 * contact.segments])
-            segment.force[1] += contact.friction_stiffness * slip
+        damping, spring = _rub(contact, circle, segment, data, state, at)
+    _set_mass(contact, segment, 0, contact.damping, contact.springs[0])
+    _set_mass(contact, segment, 1, damping, spring)
 
 
 @inlined
@@ -332,7 +349,7 @@ def _touch(contact, circle, ends, segments, data, settles):
             if contact.lag > 0.0:
                 _set_accelerations(one, other, segment)
                 for i in range(2):
-                    segment.force[i] -= segment.mass[i] * segment.acceleration[i]
+                    segment.force[i] -= segment.damping[i] * segment.acceleration[i]
             _pull(contact, circle, one, other, segment)
         else:
             segment.force[0] = segment.force[1] = 0.0

@@ -3,11 +3,10 @@
 Springs and dashpots between the middle of each open segment and the circle: those of contact across the
 cable, those of friction along it, as on a cable that lies on the circle. The ends of a segment meet the
 circle at an angle, by which each acts a little in the other direction, too. A circle feels at most one turn
-of the cable at once. Where damping is implicit in the accelerations of the cable, what it does to the circle
-remains, in closed contacts, too.
+of the cable at once. Of implicit contacts, see `multibody.implicit_contacts`, steps have to resolve how they bounce.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -30,26 +29,21 @@ _WITH_FRAME = {"BodyRigid", "NodeRigid"}
 
 @dataclass(frozen=True, eq=False)
 class _OpenContact:
-    """An object with segments that do not touch, or whose damping is implicit on the cable.
+    """An object with segments that do not touch, or that is implicit.
 
     number: of the object.   data: of it.   element: (8,) system coordinates of its cable.
-    is_open: (segments,) of those that count.   is_implicit: whether their damping is.
-    length: of them together [m].
+    segments: number of those that count.   length: of them together [m].   bounce: see `OpenContacts`.
     middles, slopes: (segments, 4) shape functions and their derivatives [1/m] in the middle of each.
     """
 
     number: int
     data: dict[str, Any]
     element: np.ndarray
-    is_open: np.ndarray
-    is_implicit: bool
+    segments: int
     length: float
+    bounce: float
     middles: Array
     slopes: Array
-
-    @property
-    def segments(self) -> int:
-        return len(self.is_open)
 
     @property
     def marker(self) -> int:
@@ -67,13 +61,17 @@ class _OpenContact:
         return across + angle**2 * along, along + angle**2 * across
 
     def __str__(self) -> str:
-        names = [name for name in (*STIFFNESSES, *DAMPINGS) if self.data.get(name)]
-        given = ", ".join(f"{name} = {self.data[name]:g}" for name in names)
-        return f"object {self.number} '{self.data['name']}' ({self.data['objectType']}: {given})"
+        return _named(self.number, self.data)
+
+
+def _named(number: int, data: Mapping[str, Any]) -> str:
+    names = [name for name in (*STIFFNESSES, *DAMPINGS) if data.get(name)]
+    given = ", ".join(f"{name} = {data[name]:g}" for name in names)
+    return f"object {number} '{data['name']}' ({data['objectType']}: {given})"
 
 
 def open_contacts(
-    mbs: Any, coordinates: CoordinateMap, size: int, implicit: np.ndarray
+    mbs: Any, coordinates: CoordinateMap, size: int, implicit: Mapping[int, float]
 ) -> OpenContacts | None:
     """Contacts of cables with circles that do not act in the current state of mbs; None: there is none.
 
@@ -81,62 +79,54 @@ def open_contacts(
         mbs: assembled.   coordinates: of the coupled parts.   size: number of coordinates of all parts.
         implicit: see `SceneOfExudyn.open_contacts`.
     """
-    data, reference = mbs.systemData, exudyn.ConfigurationType.Reference
+    data = mbs.systemData
     gaps = np.array(data.GetDataCoordinates())
     numbers = range(data.NumberOfObjects() if len(gaps) else 0)
-    contacts = [_read(mbs, number, gaps, coordinates, implicit) for number in numbers]
+    contacts = [_read(mbs, number, gaps, implicit) for number in numbers]
     found = [contact for contact in contacts if contact is not None]
     if not found:
         return None
-    q = np.add(data.GetODE2Coordinates(), data.GetODE2Coordinates(reference))
+    springs = _springs(mbs, [contact for contact in found if not contact.bounce], coordinates, size)
+    bounce = max(contact.bounce for contact in found)
+    return OpenContacts(*springs, bounce, _name(found), STIFFNESSES, DAMPINGS)
+
+
+def _springs(
+    mbs: Any, contacts: Sequence[_OpenContact], coordinates: CoordinateMap, size: int
+) -> tuple[Any, Array, Array]:
+    """Motions, stiffness and damping of all segments of these contacts, see `OpenContacts`."""
+    if not contacts:
+        return scipy.sparse.csr_array((0, size)), np.zeros(0), np.zeros(0)
+    q = np.add(
+        mbs.systemData.GetODE2Coordinates(),
+        mbs.systemData.GetODE2Coordinates(exudyn.ConfigurationType.Reference),
+    )
     lengths: dict[int, float] = {}
-    for contact in found:
+    for contact in contacts:
         lengths[contact.marker] = lengths.get(contact.marker, 0.0) + contact.length
     circles = {marker: _Circle(mbs, marker) for marker in lengths}
     blocks = []
-    for contact in found:
+    for contact in contacts:
         turn = 2.0 * np.pi * contact.radius
         share = float(np.sqrt(min(1.0, turn / lengths[contact.marker])))
         blocks.append(_motion(q, contact, circles[contact.marker], share, coordinates))
     stiffness, damping = (
-        np.concatenate([np.tile(contact.strengths(names), contact.segments) for contact in found])
+        np.concatenate([np.tile(contact.strengths(names), contact.segments) for contact in contacts])
         for names in (STIFFNESSES, DAMPINGS)
     )
-    stiffness *= np.repeat(np.concatenate([contact.is_open for contact in found]), 2)
-    motion = _below_each_other(blocks, size)
-    are_implicit = np.repeat([contact.is_implicit for contact in found], [2 * one.segments for one in found])
-    damped, said = _of_others(motion, are_implicit, implicit), (_name(found), STIFFNESSES, DAMPINGS)
-    return OpenContacts(motion, damped, stiffness, damping, *said)
+    return _below_each_other(blocks, size), stiffness, damping
 
 
-def _of_others(motion: Any, are_implicit: np.ndarray, implicit: np.ndarray) -> Any:
-    """The motions (m, n) without those of cables in the rows whose damping is implicit.
-
-    implicit: see `SceneOfExudyn.open_contacts`.
-    """
-    if not are_implicit.any():
-        return motion
-    entries = motion.tocoo()
-    of_cables = (implicit[:, np.newaxis] + np.arange(4)).ravel()
-    is_left_out = are_implicit[entries.row] & np.isin(entries.col, of_cables)
-    return scipy.sparse.csr_array(
-        (entries.data * ~is_left_out, (entries.row, entries.col)), shape=motion.shape
-    )
-
-
-def _require_finite(contact: _OpenContact) -> None:
+def _require_finite(number: int, data: Mapping[str, Any]) -> None:
     """Raise SceneError unless springs and dashpots are numbers."""
-    strengths = (*contact.strengths(STIFFNESSES), *contact.strengths(DAMPINGS))
-    if not np.isfinite(strengths).all():
+    if not np.isfinite([data.get(name, 0.0) for name in (*STIFFNESSES, *DAMPINGS)]).all():
         raise SceneError(
-            f"{contact} has a stiffness or a damping that is not finite, so that no step is known to be "
-            "stable: give finite numbers."
+            f"{_named(number, data)} has a stiffness or a damping that is not finite, so that no step is "
+            "known to be stable: give finite numbers."
         )
 
 
-def _read(
-    mbs: Any, number: int, gaps: Array, coordinates: CoordinateMap, implicit: np.ndarray
-) -> _OpenContact | None:
+def _read(mbs: Any, number: int, gaps: Array, implicit: Mapping[int, float]) -> _OpenContact | None:
     """The contact that this object is, or None if it is none that counts.
 
     gaps: data coordinates of mbs.   Other arguments: see `open_contacts`.
@@ -148,19 +138,18 @@ def _read(
     body = mbs.GetObject(cable)
     if body["objectType"] != "ANCFCable2D":
         return None
+    _require_finite(number, data)
     segments, length = int(data["numberOfContactSegments"]), float(body["length"])
-    gaps = gaps[mbs.systemData.GetObjectLTGData(number)[:segments]]
-    element = np.array(mbs.systemData.GetObjectLTGODE2(cable), dtype=int)
-    is_implicit = coordinates.place(int(element[0])) in implicit
-    counts = (gaps > 0.0) | is_implicit
+    places = mbs.systemData.GetObjectLTGData(number)[:segments]
+    bounce = implicit.get(int(places[0]))
+    counts = gaps[places] > 0.0 if bounce is None else np.full(segments, bounce > 0.0)
     xi = (np.flatnonzero(counts) + 0.5) / segments
     if not len(xi):
         return None
+    element = np.array(mbs.systemData.GetObjectLTGODE2(cable), dtype=int)
     middles, slopes = shape_functions(xi, length).T, first_derivatives(xi, length).T
     of_all = length * len(xi) / segments
-    contact = _OpenContact(number, data, element, gaps[counts] > 0.0, is_implicit, of_all, middles, slopes)
-    _require_finite(contact)
-    return contact
+    return _OpenContact(number, data, element, len(xi), of_all, bounce or 0.0, middles, slopes)
 
 
 class _Circle:

@@ -285,12 +285,11 @@ class SceneOfExudyn(EvaluatedScene):
         return FrictionCheck(self.mbs)
 
     def open_contacts(
-        self, t: float, q: Array, v: Array, data: Array | None, implicit: np.ndarray
+        self, t: float, q: Array, v: Array, data: Array | None, implicit: Mapping[int, float]
     ) -> OpenContacts | None:
         """Contacts that are open in a state, if there are any.
 
-        data: (D,) of them; None: mbs knows.   implicit: first coordinates of the nodes of cables on which
-            damping of contact is implicit; what it does to other parts counts where contact is closed, too.
+        data: (D,) of them; None: mbs knows.   implicit: see `Mover.implicit_contacts`.
         """
         if not self.mbs.systemData.DataSize():
             return None

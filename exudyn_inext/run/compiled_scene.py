@@ -19,6 +19,7 @@ from ..errors import OffCableError, RedundantConstraintError
 from ..integrators.integrator import NO_WORK, LoadHistory
 from ..multibody.build import FunctionOfTime, copied, held_coordinates, with_dashpots
 from ..multibody.cables import Cables, cables_in_a_row, provide_cables
+from ..multibody.implicit_contacts import leave_springs_out
 from ..multibody.joints import Joints
 from ..multibody.ramps import Ramps, with_ramps
 from ..multibody.scene import (
@@ -311,7 +312,7 @@ class CompiledScene:
         found: dict[str, Array] = {}
         for k, system in enumerate(self._chains):
             elements = system.chain.elements
-            if elements["contact"].size and self.dofs_in_implicit_contact.size:
+            if elements["contact"].size and self.contacts.records["implicit"].any():
                 found |= {f"{name} {k}": elements[name] for name in ("contact", "touches")}
         return found
 
@@ -368,18 +369,12 @@ class CompiledScene:
         records["lag"] = 0.0
         for name in ("damping", "viscosity"):
             records[name][is_implicit] *= damping
+        leave_springs_out(records, 1.0 - damping)
         try:
             yield
         finally:
-            for name in ("lag", "damping", "viscosity"):
-                records[name] = saved[name]
+            records[:] = saved
             pressed.restore()
-
-    @property
-    def dofs_in_implicit_contact(self) -> np.ndarray:
-        """First coordinates of the nodes of cables whose contact is damped implicitly."""
-        records = self.contacts.records
-        return np.unique(records["nodes"][records["implicit"]])
 
     def begin_history(self, data: Array, intervals: int) -> None:
         """Begin intervals with what contacts remember.   data: (D,)."""

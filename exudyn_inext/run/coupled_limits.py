@@ -150,7 +150,7 @@ class LimitedRun(PacedRun):
     @cached_property
     def contacts(self) -> OpenContacts | None:
         """Contacts that are open at the start, if there are any."""
-        state, implicit = (self._time, self.state.q, self.state.v), self.mover.dofs_in_implicit_contact
+        state, implicit = (self._time, self.state.q, self.state.v), self.mover.implicit_contacts
         return self._scene.open_contacts(*state, self.data[0], implicit)
 
     @property

@@ -1,8 +1,9 @@
 """What both ways to move a coupled scene share: by compiled kernels, or with evaluations of Exudyn."""
 
 from bisect import bisect_left
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -27,7 +28,7 @@ class Mover:
 
     system: that takes the steps.   evaluated: the scene, by whom evaluates it.
     given: (n,) forces besides those of the items, which others may set.
-    dofs_in_implicit_contact: first coordinates of the nodes of cables whose contact is damped implicitly.
+    implicit_contacts: frequencies at which they bounce, see `multibody.implicit_contacts`.
     jump: violation of joints [m, -] between two steps, beyond what the integrator leaves.
     asks: which load depends on the state, where compiled code asks its function.
     elsewhere: see `PacedRun`.
@@ -37,7 +38,7 @@ class Mover:
     given: Array
     asks = ""
     elsewhere: Any = None
-    dofs_in_implicit_contact: np.ndarray = np.zeros(0, int)
+    implicit_contacts: Mapping[int, float] = MappingProxyType({})
     _joined: tuple[list[float], Array] | None = None  # k times [s], (k, n) forces of items and joints there
     _settled: tuple[Array, Array] | None = None  # (D,), (2, D) what contacts are said to remember, and do
 

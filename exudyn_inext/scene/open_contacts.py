@@ -11,12 +11,12 @@ from .small_vibrations import AddedForces, FastestRates, fastest_rates
 
 
 class OpenContacts:
-    """All contacts that are open: if they close, linear forces -B^T k B (q - q_0) - C^T d C v.
+    """All contacts that are open: if they close, linear forces -B^T k B (q - q_0) - B^T d B v.
 
     Args:
         motion: B (m, n), sparse: relative displacements of contact points from coordinates.
-        damped: C (m, n), the same without what is damped implicitly.
         stiffness: k (m,) [N/m].   damping: d (m,) [N s/m].
+        bounce: frequency of others, of the mass that touches and their stiffness [rad/s]; 0: there are none.
 
     name: of them, for messages.   stiffnesses, dampings: which parameters set them.
     """
@@ -24,17 +24,18 @@ class OpenContacts:
     def __init__(
         self,
         motion: Any,
-        damped: Any,
         stiffness: Array,
         damping: Array,
+        bounce: float,
         name: str,
         stiffnesses: Sequence[str],
         dampings: Sequence[str],
     ) -> None:
+        self._bounce = bounce
         self.name, self.stiffnesses, self.dampings = name, stiffnesses, dampings
         self._stiffness, self._damping = (
-            scipy.sparse.csr_array(rows.T @ (values[:, np.newaxis] * rows))
-            for rows, values in ((motion, stiffness), (damped, damping))
+            scipy.sparse.csr_array(motion.T @ (values[:, np.newaxis] * motion))
+            for values in (stiffness, damping)
         )
 
     def rates(
@@ -44,6 +45,7 @@ class OpenContacts:
         before = given.copy()
         try:
             added = AddedForces(given, self._stiffness.__matmul__, self._damping.__matmul__)
-            return fastest_rates(system, external, q, v, kept, added)
+            rates = fastest_rates(system, external, q, v, kept, added)
+            return rates._replace(frequency=max(rates.frequency, self._bounce))
         finally:
             given[:] = before

@@ -7,6 +7,7 @@ import exudyn
 import numpy as np
 
 from ...arrays import Array
+from ...cable.cable import Section
 from ...element.shape_functions import first_derivatives, shape_functions
 from ...items.arguments import described
 from ...multibody.circle_contacts import CONTACT, END, SEGMENT, Contacts
@@ -33,11 +34,15 @@ class ContactReader:
 
     Args:
         mbs: assembled.   reader: of markers.   checked: numbers of the objects whose friction is looked at.
+        sections: of the cables, by the end of their coordinates.
     """
 
-    def __init__(self, mbs: Any, reader: PointReader, checked: Sequence[int]) -> None:
+    def __init__(
+        self, mbs: Any, reader: PointReader, checked: Sequence[int], sections: Sequence[tuple[int, Section]]
+    ) -> None:
         self._mbs = mbs
         self._reader = reader
+        self._sections = sections
         self._row_of = {number: row for row, number in enumerate(checked)}
         self._segments = 0
         self._records: list[dict[str, Any]] = []
@@ -60,9 +65,12 @@ class ContactReader:
             raise UnknownItemError(f"{described(data, number)}, whose circle has no frame of its own")
         segments = int(data["numberOfContactSegments"])
         length = float(self._mbs.GetObject(marker["bodyNumber"])["length"])
+        nodes = self._reader.nodes_of_element(marker["bodyNumber"])
+        section = next(section for end, section in self._sections if nodes[0] < end)
         fields = {
             "circle": place.point,
-            "nodes": self._reader.nodes_of_element(marker["bodyNumber"]),
+            "nodes": nodes,
+            "mass": section.mass_per_length * length / segments,
             "segments": segments,
             "first": self._segments,
             "place": self._mbs.systemData.GetObjectLTGData(number)[0],

@@ -80,7 +80,9 @@ def read_known_items(
     others = 3 * (len(functions) + len(of_moved.joints))
     items = KnownNumbers(mbs, coordinates, reader, others, of_moved, movable, of_bodies, follows_state)
     items.changing_masses, items.trees = changing, trees
-    touching = ContactReader(mbs, reader, scene.friction.numbers)
+    ends = (place.stop for place in coordinates.slices)
+    sections = [(end, part.cable.cable.section) for end, part in zip(ends, scene.cables, strict=False)]
+    touching = ContactReader(mbs, reader, scene.friction.numbers, sections)
     if has_forces:
         for number in range(mbs.systemData.NumberOfObjects()):
             if number not in done and not touching.adds(number):
