@@ -3,7 +3,7 @@
 Springs and dashpots between the middle of each open segment and the circle: those of contact across the
 cable, those of friction along it, as on a cable that lies on the circle. The ends of a segment meet the
 circle at an angle, by which each acts a little in the other direction, too. A circle feels at most one turn
-of the cable at once. Of implicit contacts, see `multibody.implicit_contacts`, steps have to resolve how they bounce.
+of the cable at once. Steps have to resolve how implicit contacts bounce, see `multibody.implicit_contacts`.
 """
 
 from collections.abc import Mapping, Sequence
