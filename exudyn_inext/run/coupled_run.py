@@ -303,6 +303,7 @@ class CoupledRun(LimitedRun):
         q[:number], v[:number] = displacements + self.reference, velocities
         self.forget()
         self._scene.native_items.forget()
+        self.mover.settle(time)
         self.mover.begin_by(self.integrator.start, time)
         found = []
         for k, (run, dofs) in enumerate(zip(self._runs, self._scene.map.slices, strict=False)):
