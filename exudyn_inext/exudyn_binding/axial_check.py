@@ -123,8 +123,12 @@ def _root_mean_square(x: Array) -> float:
 
 
 def warn_of_axial_findings(found: Sequence[AxialFindings]) -> None:
-    """Of the worst of each kind in the runs of a scene, if that is much."""
+    """Of the worst in the runs of a scene, if that is much.
+
+    Vibrations come first: what is compressed is known only where steps resolve them.
+    """
     for of_kind in zip(*found, strict=True):
         share, said = max(of_kind)
         if share > LARGEST_SHARE:
             warnings.warn(said, stacklevel=5)
+            return
