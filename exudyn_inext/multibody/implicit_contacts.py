@@ -17,7 +17,7 @@ the circle is told of it afterwards, see `scene`.
 Springs add h^2 k (1/2 + 1/16) to W, which acts on a alone: central differences with M + h^2 k / 4 are the
 trapezoidal rule, and no step is too long for more. With half of it, what is pressed for two steps leaves as
 fast as it came, however stiff that is; with a quarter, up to three times as fast. Steps are still to resolve
-what bounces, since it has less than the critical damping.
+what bounces, since it has less than the critical damping: friction then follows the force of each step.
 
 The circle's own motion is not in W: where cables are much heavier than a circle, steps that friction turns
 round gain energy, and the watch of the run takes shorter ones.
@@ -73,11 +73,26 @@ def bouncing_frequencies(records: Any) -> dict[int, float]:
 
     m is the mass of a segment; what is damped critically does not bounce.
     """
+    own = _implicit(records)
+    return dict(zip(own["place"].tolist(), _bounces(own).tolist(), strict=True))
+
+
+def fastest_rubbing_bounce(records: Any) -> float:
+    """Of implicit contacts with circles that rub as they bounce [rad/s]; 0: none does."""
+    own = _implicit(records)
+    rubs = own["friction"] * (own["viscosity"] + own["friction_stiffness"]) > 0.0
+    return float((_bounces(own) * rubs).max(initial=0.0))
+
+
+def _bounces(records: Any) -> Any:
+    """See `bouncing_frequencies`."""
+    frequencies = np.sqrt(records["stiffness"] / records["mass"])
+    return frequencies * (records["damping"] < 2.0 * frequencies * records["mass"])
+
+
+def _implicit(records: Any) -> Any:
     own = _of_circles(records)
-    own = own[own["implicit"]]
-    frequencies = np.sqrt(own["stiffness"] / own["mass"])
-    bounces = own["damping"] < 2.0 * frequencies * own["mass"]
-    return dict(zip(own["place"].tolist(), (frequencies * bounces).tolist(), strict=True))
+    return own[own["implicit"]]
 
 
 def _of_circles(records: Any) -> Any:

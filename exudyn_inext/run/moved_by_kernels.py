@@ -12,7 +12,7 @@ from ..compiled import Prepared, kernel
 from ..errors import SceneError
 from ..integrators.integrator import Integrator
 from ..multibody.connectors import places_of_rubbing
-from ..multibody.implicit_contacts import bouncing_frequencies
+from ..multibody.implicit_contacts import bouncing_frequencies, fastest_rubbing_bounce
 from .cable_run import CableRun
 from .compiled_scene import CompiledScene
 from .consistent_start import StartCorrection
@@ -52,6 +52,7 @@ class MovedByKernels(Mover):
         self.given, self.data = form.given, form.data
         if self._may_damp:
             self.implicit_contacts = bouncing_frequencies(form.contacts.records)
+            self.fastest_rubbing_bounce = fastest_rubbing_bounce(form.contacts.records)
         self._foreseen = state.q.copy(), state.v.copy()  # at the end of a step
         self._beginnings: dict[Callable[..., None], Prepared] = {}
         self._end_of_step = 0.0  # until which joints are moved [s]

@@ -1,0 +1,59 @@
+"""A rope slides over a drum that stands still: Euler-Eytelwein's friction, with implicit contact."""
+
+import numpy as np
+import pytest
+from exudyn.itemInterface import Force, MarkerBodyPosition, MarkerNodePosition, RevoluteJoint2D
+
+from exudyn_inext import CableShape, CreateCompanionCables, CreateInextensibleCable, InextensibleCable
+from tests.exudyn_binding.items import trajectory
+from tests.items.attach.contact import SEGMENTS, Circle, add_contact
+
+RADIUS, SIDE, ELEMENTS = 0.1, 0.8, 48  # [m]
+FRICTION, MASSES, GRAVITY = 0.3, (1.0, 4.0), 9.81
+MASS, STIFFNESS = 0.01, 1e6  # by the length of the rope [kg/m, N/m^2]
+END = 0.4  # [s]
+
+
+def on_the_drum():
+    """Shape of a rope that lies half around the drum, and hangs down on both sides; its length [m]."""
+    length = np.pi * RADIUS + 2 * SIDE
+    s = np.linspace(0.0, length, ELEMENTS + 1)
+    angle = np.clip((s - SIDE) / RADIUS, 0.0, np.pi)
+    slopes = np.column_stack([np.sin(angle), np.cos(angle)])
+    arc = RADIUS * np.column_stack([-np.cos(angle), np.sin(angle)])
+    return CableShape(arc + (s - SIDE - RADIUS * angle)[:, None] * slopes, slopes), length
+
+
+def hang(mbs, node, mass):
+    place = mbs.GetNodeParameter(node, "referenceCoordinates")[:2]
+    body = mbs.CreateMassPoint(mass=mass, referencePosition=[*place, 0], create2D=True)
+    marker = mbs.AddMarker(MarkerBodyPosition(bodyNumber=body))
+    mbs.AddLoad(Force(markerNumber=marker, loadVector=[0, -GRAVITY * mass, 0]))
+    mbs.AddObject(RevoluteJoint2D(markerNumbers=[marker, mbs.AddMarker(MarkerNodePosition(nodeNumber=node))]))
+
+
+@pytest.mark.parametrize("share", [0.25, 2.0])
+def test_the_masses_fall_by_the_friction_of_a_rope_around_a_drum(new_mbs, add_sensor, solve, share):
+    """T_2 = T_1 exp(mu pi).   share: damping, of the critical one: segments bounce, or do not."""
+    mbs, (shape, length) = new_mbs(), on_the_drum()
+    section = InextensibleCable(
+        massPerLength=MASS, bendingStiffness=1e-4, bendingDamping=1e-5, axialStiffness=1e5, axialDamping=30
+    )
+    cable = CreateInextensibleCable(mbs, shape=shape, beamTemplate=section, extensible=True)
+    for node, mass in zip((cable["nodes"][0], cable["nodes"][-1]), MASSES, strict=True):
+        hang(mbs, node, mass)
+    segment = length / ELEMENTS / SEGMENTS
+    damping = share * 2.0 * np.sqrt(STIFFNESS * MASS) * segment
+    surface = {"friction": FRICTION, "friction_damping": 1e4 * segment}
+    circle = Circle(0.9995 * RADIUS, STIFFNESS * segment, damping, **surface)
+    add_contact(mbs, CreateCompanionCables(mbs, cable), circle)
+    sensor = add_sensor(mbs, cable["nodes"][-1])
+    mbs.Assemble()
+    solve(mbs, END)
+    time, _, y, _ = trajectory(mbs, sensor).T
+    late = time > 0.1  # the rope has stretched by then
+    found = 2.0 * np.polyfit(time[late], -y[late], 2)[0]
+    light, heavy = MASSES
+    grip = np.exp(FRICTION * np.pi)
+    expected = (heavy - grip * light) / (heavy + grip * light + MASS * length) * GRAVITY
+    assert found == pytest.approx(expected, rel=0.03)
