@@ -40,7 +40,7 @@ from .consistent_start import (
     worst_violations,
 )
 from .divergence import GIVEN_UP, explanation
-from .jump import accelerate_again, remembers_axial_forces
+from .jump import Impulses, accelerate_again, remembers_axial_forces
 from .kept_state import KeptState
 from .paced_run import PacedRun
 from .redundancy import PULLED, element_masses, is_held_straight, require_independent
@@ -416,8 +416,22 @@ class CableRun(PacedRun):
     def move_on(self, time: float, end: float, has_changed: bool) -> None:
         """Begin again with supports that have been moved; arguments: see `CoupledRun.move_on`."""
         external = self.loads.at(time)
-        agree(self.called, external, self.state)
-        self._begin_from(time, external)
+        if self.integrator.stabilised:
+            agree(self.called, external, self.state)
+            self._begin_from(time, external)
+            return
+        again = [self._corrections] if self._has_axial_forces else []
+        if not self._stretches:
+            self.forget()
+        self.watch.begin_work()
+        given = self.called, external, self.state, self.control.present
+        self._impulses.act(*given, again, self._learned, self.watch.watch)
+        if self.loads.follows:
+            self.watch.count_ramp(self.loads, time, self.state)
+
+    @cached_property
+    def _impulses(self) -> Impulses:
+        return Impulses()
 
     def _begin_from(self, time: float, external: Array) -> None:
         if not self._stretches:
@@ -465,11 +479,15 @@ class CableRun(PacedRun):
         self._start_from(self.loads.at(time))
 
     def _start_from(self, external: Array) -> None:
-        if self._stretches and remembers_axial_forces(self._corrections):
+        if self._has_axial_forces:
             given = self.called, external, self.state, self.control.present
             accelerate_again(*given, [self._corrections], self._learned)
         else:
             self._start_scheme(self.called, external, self.state)
+
+    @property
+    def _has_axial_forces(self) -> bool:
+        return self._stretches and remembers_axial_forces(self._corrections)
 
     def watch_on(self, time: float) -> None:
         """See `PacedRun.watch_on`."""

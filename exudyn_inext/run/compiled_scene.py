@@ -102,6 +102,7 @@ class SceneLoads:
         least = max((of_cable.sight.least for of_cable in loads), default=0.0)
         self._sight = JumpSight(self._columns_of_places(row), least, self.factors)
         self.of_state = of_loads if isinstance(of_loads, StateFunctions) else None
+        self.vary_on_cables = bool(self._loads)
         end = len(self.constant) - follows
         self._last = slice(end - len(self._is_given), end)
         self._only_moves = 3 * len(moved.joints) + follows == len(self.pattern)
@@ -277,7 +278,7 @@ class CompiledScene:
     @property
     def called(self) -> Any:
         """The system, for kernels that call it by address as an integrator does, see `provide`."""
-        self._called = self._called or called(self.system, *self._calls, finish_step)
+        self._called = self._called or called(self.system, *self._calls, finish_step, report_energy)
         return self._called
 
     @property

@@ -20,7 +20,7 @@ from .cable_run import CableRun, Start
 from .consistent_start import StartCorrection, agree
 from .coupled_limits import LimitedRun, steps_until_look
 from .coupled_watch import LENIENCE, CoupledWatch
-from .jump import accelerate_again, remembers_axial_forces
+from .jump import Impulses, accelerate_again, remembers_axial_forces
 from .jump_ahead import JumpError
 from .kept_state import KeptState
 from .moved_by_exudyn import MovedByExudyn
@@ -343,12 +343,29 @@ class CoupledRun(LimitedRun):
         else:
             self.mover.rest()
         self.watch.is_close = self.mover.approaches
+        if self.mover.takes_impulses and self.watch.has_just_looked:
+            self._take_impulses(time)
+            return
         with self.mover.loads_kept(time):
             self.mover.begin_by(agree, time)
             if was_compiled and not self._by_kernels:
                 self.watch.evaluate_by(self._scene)
                 self.mover.begin_by(self.integrator.resume, time)
             self.begin_again(time)
+
+    def _take_impulses(self, time: float) -> None:
+        """Of joints that have other velocities from `time` [s] on, see `Impulses`."""
+        has_axial_forces = self._has_axial_forces
+        if not has_axial_forces:
+            self.forget()
+        cables = self._corrections.values() if has_axial_forces else ()
+        given = self.mover.quick_system.called, self.mover.external_at(time), self.state
+        self._impulses.act(*given, self.control.present, cables, self._learned, self.watch.watch)
+        self.watch.begin_path(self.state)
+
+    @cached_property
+    def _impulses(self) -> Impulses:
+        return Impulses()
 
     def forget(self) -> None:
         self._scene.forget()

@@ -199,6 +199,17 @@ class CoupledWatch(RunWatch):
         self._start[:] = self.watch.position[:] = state.q
         go_on(self.watch, state)
 
+    @property
+    def has_just_looked(self) -> bool:
+        """Whether the last inspection was in the present state."""
+        return not self._counts[_STEPS]
+
+    def begin_path(self, state: Any) -> None:
+        """Count work of items from a state on, in which they have been evaluated."""
+        begin_path(self.path, state.q, self._evaluated.forces)
+        self._counts[_MOST] = 2 * FIRST_STEPS
+        self._start[:] = state.q
+
     def go_on(self, t: float, state: Any) -> None:
         """With another step, from a state that the integrator has just started from, at t [s]."""
         if self._counts[_STEPS]:  # what has gone on counts, and is not judged any more

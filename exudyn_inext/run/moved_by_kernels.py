@@ -66,6 +66,10 @@ class MovedByKernels(Mover):
         return self._form.system
 
     @property
+    def takes_impulses(self) -> bool:
+        return not (self._integrator.stabilised or self._form.loads.vary_on_cables)
+
+    @property
     def quick_system(self) -> CompiledScene:
         return self._form
 

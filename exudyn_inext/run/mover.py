@@ -94,6 +94,11 @@ class Mover:
         plain(function)(self.quick_system, self.external_at(time), self._state)
 
     @property
+    def takes_impulses(self) -> bool:
+        """Whether `Impulses` can act on it, of joints between its parts."""
+        return False
+
+    @property
     def quick_system(self) -> Any:
         """The system, for single evaluations."""
         return self.system

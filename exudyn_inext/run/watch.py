@@ -452,6 +452,17 @@ def verdict_after_work(watch, state, constant, work, scatter, steps, duration):
     return _verdict(watch, state, steps, duration)
 
 
+@inlined
+def count_impulses(watch, state):
+    """As `go_on`, after impulses: their work p . (v + v') / 2 is the change of the energy.
+
+    The energy before is that of the last inspection, which was in this state.
+    """
+    now, before = watch.present_report, watch.energy_report
+    watch.account[NOW].start += now[KINETIC] + now[ELASTIC] - before[KINETIC] - before[ELASTIC]
+    _keep(watch, state)
+
+
 @called_kernel
 def record_watched(scheme, system, loads, state, h, steps, history, watch):
     """Advance through intervals of `steps` steps each, as long as all is well.
