@@ -32,7 +32,7 @@ from ..scene.path_work import (
 from ..system import POWER
 from .cable_run import CableRun
 from .joined_scene import EvaluatedScene
-from .moving_parts import MOTION, MovingParts
+from .moving_parts import MovingParts, verdict_with_parts
 from .run_watch import RunWatch
 from .watch import (
     LACK_OF_WORK,
@@ -51,7 +51,6 @@ from .watch import (
     go_back,
     go_on,
     open_account,
-    verdict_after_work,
 )
 
 STEPS_BETWEEN = 1024  # two inspections at most
@@ -109,7 +108,7 @@ class CoupledWatch(RunWatch):
         tolerance = LENIENCE * energy_tolerance
         most = VIOLENT * tolerance if integrator.stabilised else np.inf
         self.watch = build_watch(state, STEPS_BETWEEN, tolerance, most=most)
-        self._draw_up = Prepared(verdict_after_work)
+        self._draw_up = Prepared(verdict_with_parts)
         self._largest_throw, self._check_velocities = Prepared(largest_throw), Prepared(check_velocities)
         self._gravity = np.zeros(len(state.q))
         self._start = np.zeros(len(state.q))  # coordinates from which the extent of the motion counts
@@ -166,7 +165,7 @@ class CoupledWatch(RunWatch):
         size = float(np.abs(forces + self._gravity[: len(forces)]).sum())
         floor = ROUND_OFF * extent * size + sum(run.watch.round_off for run in self._runs)
         open_account(self.watch, state, floor)
-        self._parts.motion[:] = 0.0
+        self._parts.motions.motion[:] = 0.0
         places = np.full(len(state.q), OF_PLACES * extent)
         self._resolution = self._evaluated.kinetic_energy(state.q, places)
         self._step = 0.0
@@ -192,7 +191,7 @@ class CoupledWatch(RunWatch):
     def begin_again(self, t: float, state: Any) -> None:
         """Go on from a state that the integrator has just started from, and that has been changed."""
         if self._counts[_STEPS]:
-            self._see_extent(state)
+            self._parts.see(self._way_to(state.q))
         self._counts[_MOST] = FIRST_STEPS
         self._begin_work(t, state)
         self._begin(t, state)
@@ -229,9 +228,11 @@ class CoupledWatch(RunWatch):
     def count(self, steps: int) -> None:
         """These steps have been taken."""
         before = int(self._counts[_STEPS])
-        self._counts[_STEPS] = now = before + steps
+        self._counts[_STEPS] = before + steps
+        if self.is_close:  # and inspected at each step of the loop
+            before += int(self.watch.account["steps"][NOW])
         looks = before // STEPS_BETWEEN_LOOKS
-        self._is_due = looks == 0 or looks < now // STEPS_BETWEEN_LOOKS
+        self._is_due = looks == 0 or looks < (before + steps) // STEPS_BETWEEN_LOOKS
 
     def is_well_at(self, t: float, h: float, state: Any, at_once: bool = False) -> bool:
         """Judge the steps of h [s] until t [s] from time to time, and `at_once`, or if velocities grow."""
@@ -309,7 +310,7 @@ class CoupledWatch(RunWatch):
         """Arrays that the next inspections depend on, by names."""
         path = {"path": self.path, "lacks": self.path_of_evaluations, "changes": self._changes}
         masses = {"masses": self._bodies.system.masses_before(), "start": self._start}
-        motion = {"motion": self._parts.motion, "last": self._last, "steps": self._counts}
+        motion = {"motion": self._parts.motions.motion, "last": self._last, "steps": self._counts}
         return super().memory() | path | masses | motion
 
     def resume(self, h: float) -> None:
@@ -336,31 +337,21 @@ class CoupledWatch(RunWatch):
 
     def _verdict(self, watch: Watch, h: float, t: float, state: Any) -> int:
         self._evaluated.report_energy(t, state, self.watch.present_report, self._scale)
-        self._see_extent(state)
         duration, (work, scatter) = t - self._last[0], take_sums(self.path)
         if self.path is not self.path_of_evaluations:
             take_sums(self.path_of_evaluations)
         work += 0.5 * float(self._changes[0]) / h**2
         self._changes[:] = 0.0
-        motion = self._count_motion(watch, h, state, duration)
         steps, slope = int(self._counts[_STEPS]), float(watch.account["slope"][NOW])
-        trouble = int(self._draw_up(watch, state, self._gravity, work, scatter, steps, duration))
+        spins, way = self._evaluated.energies_of_spins(watch.duration), self._way_to(state.q)
+        given = self._parts.motions, way, spins, h, watch, state, self._gravity
+        trouble = int(self._draw_up(*given, float(work), float(scatter), steps, float(duration)))
         bend = abs(float(watch.account["slope"][NOW]) - slope)
-        if bend * duration**2 > BENT * self.turned_over and not self.is_close:
+        if not self.is_close and bend * duration**2 > BENT * self.turned_over:
             self._counts[_MOST] = max(FIRST_STEPS, steps // 2) // 2  # `_begin` doubles it
         if trouble:
             go_back(watch, state)
-        else:
-            self._parts.motion[:] = motion
         return trouble
-
-    def _count_motion(self, watch: Watch, h: float, state: Any, duration: float) -> Array:
-        """Of all parts, see `MovingParts`; that of the fastest one is judged."""
-        spins = self._evaluated.energies_of_spins(watch.duration)
-        motion = self._parts.going_on(state.a, state.v, spins, duration)
-        for name, value in zip(MOTION, self._parts.fastest(motion, h), strict=True):
-            watch.account[name][NOW] = value
-        return motion
 
     def _moving_parts(self, size: int) -> MovingParts:
         """Each cable and each body; first order states are no motion."""
@@ -374,7 +365,8 @@ class CoupledWatch(RunWatch):
         rows, columns, values = map(np.concatenate, zip(*of_all, strict=True))
         return MovingParts(part, (rows, columns, values), self._length)
 
-    def _see_extent(self, state: Any) -> None:
-        way = state.q - self._start
+    def _way_to(self, q: Array) -> Array:
+        """(n,) from where the extent of the motion counts."""
+        way: Array = q - self._start
         self._evaluated.leave_out_turns(way)
-        self._parts.see(way)
+        return way

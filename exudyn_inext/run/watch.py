@@ -432,7 +432,7 @@ def condemn(watch: Watch, state: Any, trouble: int, excess: float) -> None:
     go_back(watch, state)
 
 
-@kernel
+@inlined
 def verdict_after_work(watch, state, constant, work, scatter, steps, duration):
     """Draw up the account with `present_report`, after work that was counted elsewhere.
 
