@@ -12,12 +12,13 @@ from ..system import accelerate_and_project, report_energy
 from .kept_state import KeptState
 from .watch import Watch, count_impulses
 
-_RECORDS = ("nodes", "elements")
+_AXIAL = {"axial nodes": "nodes", "axial elements": "elements"}
 
 
 def remembers_axial_forces(memory: Mapping[str, Any]) -> bool:
     """Whether steps have left mean axial forces.   memory: see `cable.linked_cable.memory_of`."""
-    return any(memory[f"axial {name}"][:, 0].any() for name in _RECORDS if f"axial {name}" in memory)
+    found = (memory[name][:, 0] for name in _AXIAL if name in memory)
+    return any(map(np.count_nonzero, found))  # faster than any()
 
 
 def accelerate_again(
@@ -50,9 +51,9 @@ def in_last_step(cables: Iterable[Mapping[str, Any]], learned: KeptState) -> Ite
     """
     learned.keep()
     for memory in cables:
-        for name in _RECORDS:
-            if f"axial {name}" in memory:
-                memory[f"axial {name}"][:, 1] = memory[name]  # what is foreseen has been found already
+        for name, records in _AXIAL.items():
+            if name in memory:
+                memory[name][:, 1] = memory[records]  # what is foreseen has been found already
     yield
     learned.restore()
 
