@@ -207,7 +207,6 @@ class CoupledWatch(RunWatch):
         """Count work of items from a state on, in which they have been evaluated."""
         begin_path(self.path, state.q, self._evaluated.forces)
         self._counts[_MOST] = 2 * FIRST_STEPS
-        self._start[:] = state.q
 
     def go_on(self, t: float, state: Any) -> None:
         """With another step, from a state that the integrator has just started from, at t [s]."""
@@ -228,11 +227,9 @@ class CoupledWatch(RunWatch):
     def count(self, steps: int) -> None:
         """These steps have been taken."""
         before = int(self._counts[_STEPS])
-        self._counts[_STEPS] = before + steps
-        if self.is_close:  # and inspected at each step of the loop
-            before += int(self.watch.account["steps"][NOW])
+        self._counts[_STEPS] = now = before + steps
         looks = before // STEPS_BETWEEN_LOOKS
-        self._is_due = looks == 0 or looks < (before + steps) // STEPS_BETWEEN_LOOKS
+        self._is_due = looks == 0 or looks < now // STEPS_BETWEEN_LOOKS
 
     def is_well_at(self, t: float, h: float, state: Any, at_once: bool = False) -> bool:
         """Judge the steps of h [s] until t [s] from time to time, and `at_once`, or if velocities grow."""
