@@ -361,7 +361,7 @@ class CoupledRun(LimitedRun):
         cables = self._corrections.values() if has_axial_forces else ()
         given = self.mover.quick_system.called, self.mover.external_at(time), self.state
         self._impulses.act(*given, self.control.present, cables, self._learned, self.watch.watch)
-        self.watch.begin_path(self.state)
+        self.watch.begin_from_impulses(time, self.state)
 
     @cached_property
     def _impulses(self) -> Impulses:

@@ -203,10 +203,11 @@ class CoupledWatch(RunWatch):
         """Whether the last inspection was in the present state."""
         return not self._counts[_STEPS]
 
-    def begin_path(self, state: Any) -> None:
-        """Count work of items from a state on, in which they have been evaluated."""
+    def begin_from_impulses(self, t: float, state: Any) -> None:
+        """Go on from a state at t [s] in which joints have got other velocities, whose account is open."""
         begin_path(self.path, state.q, self._evaluated.forces)
-        self._counts[_MOST] = 2 * FIRST_STEPS
+        self._counts[_MOST] = FIRST_STEPS
+        self._begin(t, state)
 
     def go_on(self, t: float, state: Any) -> None:
         """With another step, from a state that the integrator has just started from, at t [s]."""
