@@ -32,7 +32,7 @@ from ..scene.path_work import (
 from ..system import POWER
 from .cable_run import CableRun
 from .joined_scene import EvaluatedScene
-from .moving_parts import MovingParts, verdict_with_parts
+from .moving_parts import Motions, motions_of, see, verdict_with_parts
 from .run_watch import RunWatch
 from .watch import (
     LACK_OF_WORK,
@@ -165,7 +165,7 @@ class CoupledWatch(RunWatch):
         size = float(np.abs(forces + self._gravity[: len(forces)]).sum())
         floor = ROUND_OFF * extent * size + sum(run.watch.round_off for run in self._runs)
         open_account(self.watch, state, floor)
-        self._parts.motions.motion[:] = 0.0
+        self._parts.motion[:] = 0.0
         places = np.full(len(state.q), OF_PLACES * extent)
         self._resolution = self._evaluated.kinetic_energy(state.q, places)
         self._step = 0.0
@@ -191,7 +191,7 @@ class CoupledWatch(RunWatch):
     def begin_again(self, t: float, state: Any) -> None:
         """Go on from a state that the integrator has just started from, and that has been changed."""
         if self._counts[_STEPS]:
-            self._parts.see(self._way_to(state.q))
+            see(self._parts, self._way_to(state.q))
         self._counts[_MOST] = FIRST_STEPS
         self._begin_work(t, state)
         self._begin(t, state)
@@ -308,7 +308,7 @@ class CoupledWatch(RunWatch):
         """Arrays that the next inspections depend on, by names."""
         path = {"path": self.path, "lacks": self.path_of_evaluations, "changes": self._changes}
         masses = {"masses": self._bodies.system.masses_before(), "start": self._start}
-        motion = {"motion": self._parts.motions.motion, "last": self._last, "steps": self._counts}
+        motion = {"motion": self._parts.motion, "last": self._last, "steps": self._counts}
         return super().memory() | path | masses | motion
 
     def resume(self, h: float) -> None:
@@ -342,7 +342,7 @@ class CoupledWatch(RunWatch):
         self._changes[:] = 0.0
         steps, slope = int(self._counts[_STEPS]), float(watch.account["slope"][NOW])
         spins, way = self._evaluated.energies_of_spins(watch.duration), self._way_to(state.q)
-        given = self._parts.motions, way, spins, h, watch, state, self._gravity
+        given = self._parts, way, spins, h, watch, state, self._gravity
         trouble = int(self._draw_up(*given, float(work), float(scatter), steps, float(duration)))
         bend = abs(float(watch.account["slope"][NOW]) - slope)
         if not self.is_close and bend * duration**2 > BENT * self.turned_over:
@@ -351,7 +351,7 @@ class CoupledWatch(RunWatch):
             go_back(watch, state)
         return trouble
 
-    def _moving_parts(self, size: int) -> MovingParts:
+    def _moving_parts(self, size: int) -> Motions:
         """Each cable and each body; first order states are no motion."""
         part, bodies, masses = np.arange(size), self._bodies, []
         for run, dofs in zip(self._runs, self._places, strict=False):
@@ -361,7 +361,7 @@ class CoupledWatch(RunWatch):
         masses.append((bodies.dofs.start, bodies.system.mass_entries))
         of_all = [(first + rows, first + columns, values) for first, (rows, columns, values) in masses]
         rows, columns, values = map(np.concatenate, zip(*of_all, strict=True))
-        return MovingParts(part, (rows, columns, values), self._length)
+        return motions_of(part, (rows, columns, values), self._length)
 
     def _way_to(self, q: Array) -> Array:
         """(n,) from where the extent of the motion counts."""

@@ -1,7 +1,7 @@
 """Velocities and accelerations after forces, or velocities of joints, have jumped between two steps."""
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -15,52 +15,9 @@ from .watch import Watch, count_impulses
 _AXIAL = {"axial nodes": "nodes", "axial elements": "elements"}
 
 
-def remembers_axial_forces(memory: Mapping[str, Any]) -> bool:
-    """Whether steps have left mean axial forces.   memory: see `cable.linked_cable.memory_of`."""
-    found = (memory[name][:, 0] for name in _AXIAL if name in memory)
-    return any(map(np.count_nonzero, found))  # faster than any()
-
-
-def accelerate_again(
-    system: Any,
-    external: Array,
-    state: Any,
-    h: float,
-    cables: Iterable[Mapping[str, Any]],
-    learned: KeptState,
-) -> None:
-    """Set state.a as at the end of the step before, with other forces; see `in_last_step`.
-
-    system, external, state: see `integrators.rattle`.   h: of the next step [s].
-    """
-    with in_last_step(cables, learned):
-        before = state.v - 0.5 * h * state.a
-        accelerate_and_project(system, external, state.q, before, 0.5 * h, state.a, np.zeros_like(before))
-
-
-@contextmanager
-def in_last_step(cables: Iterable[Mapping[str, Any]], learned: KeptState) -> Iterator[None]:
-    """Cables that stretch are at the end of the step before once more.
-
-    Axial forces are means of steps there, see `cable.axial`. Those of the present strains alone are no
-    measure: axial waves that the step does not resolve change their sign from step to step.
-
-    Args:
-        cables: drift corrections and axial forces of each, see `cable.linked_cable.memory_of`.
-        learned: keeps these, and what else the evaluation learns; afterwards they are what they were.
-    """
-    learned.keep()
-    for memory in cables:
-        for name, records in _AXIAL.items():
-            if name in memory:
-                memory[name][:, 1] = memory[records]  # what is foreseen has been found already
-    yield
-    learned.restore()
-
-
 @kernel
 def _take_impulses(system, external, state, lag, memory):
-    """See `Impulses`.   lag: for which accelerations act before the state [s].   memory: (2, n) zeros."""
+    """See `Jumps`.   lag: for which accelerations act before the state [s].   memory: (2, n) zeros."""
     before, after = memory[0], memory[1]
     accelerate_and_project(system, external, state.q, state.v, 0.0, before, after)
     for i in range(len(state.v)):
@@ -71,33 +28,59 @@ def _take_impulses(system, external, state, lag, memory):
 
 @kernel
 def _count_impulses(system, external, state, watch):
-    """See `count_impulses`."""
     report_energy(system, external, state.q, state.v, state.a, watch.force, watch.present_report)
     count_impulses(watch, state)
 
 
-class Impulses:
-    """That joints and supports take to have other velocities from now on, in compiled systems under RATTLE."""
+class Jumps:
+    """How a run goes on where something jumps.
 
-    def __init__(self) -> None:
+    Axial forces of cables that stretch are means of steps, see `cable.axial`. Those of the present strains
+    alone are no measure: axial waves that the step does not resolve change their sign from step to step. So
+    accelerations are found as at the end of the step before; drift corrections stay what they were.
+
+    Args:
+        cables: drift corrections and axial forces of each, see `cable.linked_cable.memory_of`.
+        learned: these, and what else evaluations learn.
+    """
+
+    def __init__(self, cables: Mapping[str, Any], learned: Mapping[str, Any]) -> None:
+        self._cables, self._learned = cables.values(), KeptState(learned)
         self._take, self._count = Prepared(_take_impulses), Prepared(_count_impulses)
 
-    def act(
-        self,
-        system: Any,
-        external: Array,
-        state: Any,
-        h: float,
-        cables: Collection[Mapping[str, Any]],
-        learned: KeptState,
-        watch: Watch,
-    ) -> None:
-        """Set velocities and accelerations, and count the work.
+    @property
+    def keep_means(self) -> bool:
+        """Whether steps have left mean axial forces."""
+        found = (memory[name][:, 0] for memory in self._cables for name in _AXIAL if name in memory)
+        return any(map(np.count_nonzero, found))  # faster than any()
 
-        system, external, state, h, cables, learned: see `accelerate_again`; called by address; no cables: see
-        `integrators.rattle.start`.   watch: whose account is open.
+    @contextmanager
+    def _in_last_step(self) -> Iterator[None]:
+        self._learned.keep()
+        for memory in self._cables:
+            for name, records in _AXIAL.items():
+                if name in memory:
+                    memory[name][:, 1] = memory[records]  # what is foreseen has been found already
+        yield
+        self._learned.restore()
+
+    def accelerate(self, system: Any, external: Array, state: Any, h: float) -> None:
+        """Set state.a with other forces, if steps have left means.
+
+        system, external, state: see `integrators.rattle`.   h: of the next step [s].
         """
-        with in_last_step(cables, learned) if cables else nullcontext():
-            lag = 0.5 * h if cables else 0.0
+        with self._in_last_step():
+            before = state.v - 0.5 * h * state.a
+            rest = np.zeros_like(before)
+            accelerate_and_project(system, external, state.q, before, 0.5 * h, state.a, rest)
+
+    def take_impulses(self, system: Any, external: Array, state: Any, h: float, watch: Watch) -> None:
+        """Let joints and supports have other velocities at once, by impulses, whose work is counted.
+
+        system, external, state, h: see `accelerate`; a system called by address.
+        watch: whose account was drawn up in this state.
+        """
+        with self._in_last_step():
+            lag = 0.5 * h if self.keep_means else 0.0
             self._take(system, external, state, lag, np.zeros((2, len(state.q))))
         self._count(system, external, state, watch)

@@ -49,6 +49,7 @@ class MovedByKernels(Mover):
         elif form.steered:
             self.asks = f"the function of {form.steered}, which reads what step functions may change"
         self.given, self.data = form.given, form.data
+        self.takes_impulses = not (self._integrator.stabilised or form.loads.vary_on_cables)
         if self._may_damp:
             self.dofs_in_implicit_contact = form.dofs_in_implicit_contact
         self._foreseen = state.q.copy(), state.v.copy()  # at the end of a step
@@ -64,10 +65,6 @@ class MovedByKernels(Mover):
     @property
     def system(self) -> Any:
         return self._form.system
-
-    @property
-    def takes_impulses(self) -> bool:
-        return not (self._integrator.stabilised or self._form.loads.vary_on_cables)
 
     @property
     def quick_system(self) -> CompiledScene:

@@ -31,12 +31,14 @@ class Mover:
     jump: violation of joints [m, -] between two steps, beyond what the integrator leaves.
     asks: which load depends on the state, where compiled code asks its function.
     elsewhere: see `PacedRun`.
+    takes_impulses: whether joints that move on may, see `Jumps`.
     """
 
     evaluated: EvaluatedScene
     given: Array
     asks = ""
     elsewhere: Any = None
+    takes_impulses = False
     dofs_in_implicit_contact: np.ndarray = np.zeros(0, int)
     _joined: tuple[list[float], Array] | None = None  # k times [s], (k, n) forces of items and joints there
     _settled: tuple[Array, Array] | None = None  # (D,), (2, D) what contacts are said to remember, and do
@@ -92,11 +94,6 @@ class Mover:
     def begin_by(self, function: Callable[..., None], time: float) -> None:
         """Begin with a function of the integrator, of (system, external, state)."""
         plain(function)(self.quick_system, self.external_at(time), self._state)
-
-    @property
-    def takes_impulses(self) -> bool:
-        """Whether `Impulses` can act on it, of joints between its parts."""
-        return False
 
     @property
     def quick_system(self) -> Any:

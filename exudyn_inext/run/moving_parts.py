@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import Prepared, inlined, inlined_kernel, kernel
+from ..compiled import inlined, inlined_kernel, kernel
 from ..sparse import Entries
 from .watch import ALL_IS_WELL, NOW, OF_EXTENT, SMALL, verdict_after_work
 
@@ -54,17 +54,17 @@ def _add_energies(mass, v, factor, energies):
 
 
 @inlined_kernel
-def _see(mass, way, energies, extent):
-    """extent: (P,) that of the way (n,), if it is larger.   energies: (P,) memory."""
-    energies.fill(0.0)
-    _add_energies(mass, way, 1.0, energies)
-    for p in range(len(extent)):
-        extent[p] = max(extent[p], energies[p])
+def see(parts, way):
+    """A way x - x_0 (n,), which may be the farthest one so far.   parts: `Motions`."""
+    parts.energies.fill(0.0)
+    _add_energies(parts.mass, way, 1.0, parts.energies)
+    for p in range(len(parts.least)):
+        parts.motion[_EXTENT, p] = max(parts.motion[_EXTENT, p], parts.energies[p])
 
 
 @inlined
 def _go_on(mass, least, motion, a, v, spins, duration, gone_on):
-    """gone_on: (5, P) output, see `go_on_with_parts`.   least: (P,) extent of a motion."""
+    """gone_on: (5, P) output, `motion` after another duration [s].   least: (P,) extent of a motion."""
     gone_on.fill(0.0)
     _add_energies(mass, a, duration, gone_on[_FORCES])
     _add_energies(mass, v, duration, gone_on[_SPEEDS])
@@ -105,7 +105,7 @@ def verdict_with_parts(parts, way, spins, h, watch, state, constant, work, scatt
         spins: (n,) what a . M a / 2 lacks, at the first coordinate of each body that turns [J/s^2].
         h: step [s].   others: see `verdict_after_work`.
     """
-    _see(parts.mass, way, parts.energies, parts.motion[_EXTENT])
+    see(parts, way)
     _go_on(parts.mass, parts.least, parts.motion, state.a, state.v, spins, duration, parts.gone_on)
     _find_fastest(parts.least, parts.gone_on, h, parts.fastest)
     account = watch.account[NOW]
@@ -120,27 +120,20 @@ def verdict_with_parts(parts, way, spins, h, watch, state, constant, work, scatt
     return trouble
 
 
-class MovingParts:
-    """The motion of all parts.
+def motions_of(part: np.ndarray, mass: Entries, length: float) -> Motions:
+    """That of all parts, which have not begun to move.
 
     Args:
         part: (n,) a number for each coordinate, the same for those of one part.
         mass: at the start, of all coordinates that have one.
         length: of the longest cable [m]: of it, an error of `SMALL` counts for nothing.
-
-    motions: of all.
     """
-
-    def __init__(self, part: np.ndarray, mass: Entries, length: float) -> None:
-        numbers, part = np.unique(part, return_inverse=True)
-        rows, columns, values = mass
-        of_rows = _Mass(part, np.searchsorted(rows, np.arange(len(part) + 1)), columns, values)
-        motions, (least, energies) = np.zeros((2, len(MOTION), len(numbers))), np.zeros((2, len(numbers)))
-        self.motions = Motions(of_rows, least, *motions, energies, np.zeros(len(MOTION)))
-        self._see = Prepared(_see)
-        self._see(of_rows, np.full(len(part), SMALL * length), energies, least)
-
-    def see(self, way: Array) -> None:
-        """A way x - x_0 (n,), which may be the farthest one so far."""
-        motions = self.motions
-        self._see(motions.mass, way, motions.energies, motions.motion[_EXTENT])
+    numbers, part = np.unique(part, return_inverse=True)
+    rows, columns, values = mass
+    of_rows = _Mass(part, np.searchsorted(rows, np.arange(len(part) + 1)), columns, values)
+    motion, gone_on = np.zeros((2, len(MOTION), len(numbers)))
+    least, energies = np.zeros((2, len(numbers)))
+    found = Motions(of_rows, least, motion, gone_on, energies, np.zeros(len(MOTION)))
+    see(found, np.full(len(part), SMALL * length))
+    least[:], motion[:] = motion[_EXTENT], 0.0
+    return found
