@@ -189,13 +189,13 @@ class CoupledWatch(RunWatch):
         return forces
 
     def begin_again(self, t: float, state: Any) -> None:
-        """Go on from a state that the integrator has just started from, and that has been changed."""
+        """Go on from a state that the integrator has just started from, and whose velocities have changed."""
         if self._counts[_STEPS]:
             see(self._parts, self._way_to(state.q))
         self._counts[_MOST] = FIRST_STEPS
         self._begin_work(t, state)
         self._begin(t, state)
-        self._start[:] = self.watch.position[:] = state.q
+        self.watch.position[:] = state.q
         go_on(self.watch, state)
 
     @property
