@@ -448,24 +448,24 @@ def bodies_energy(bodies, trees, q, v):
     return 0.5 * total
 
 
-def energies_of_spins(bodies, duration, size):
-    """(size,) w^2 w . J w / 2 [J/s^2]: what a . M a / 2 of coordinates lacks where bodies turn in space.
+@kernel
+def set_energies_of_spins(bodies, duration, energies):
+    """w^2 w . J w / 2 [J/s^2]: what a . M a / 2 of coordinates lacks where bodies turn in space.
 
     A spin counts the less, the more often a body turns round in a run: its angle at the end hardly matters.
 
-    bodies: (k,) records, with the spins w of the last evaluation; in the plane, angles add up. Their numbers
-        stand at their first coordinates.
-    duration: of the run [s].
+    bodies: (k,) records, with the spins w of the last evaluation; in the plane, angles add up.
+    duration: of the run [s].   energies: (n,) output, at the first coordinates of bodies.
     """
-    energies = np.zeros(size)
-    turning = np.flatnonzero(bodies["rotations"] > 1)
-    if not len(turning):
-        return energies
-    spin, inertia = bodies["spin"][turning], bodies["mass"][turning, 3:6, 3:6]
-    squared = np.einsum("bi,bi->b", spin, spin)
-    counted = squared / np.maximum(1.0, np.sqrt(squared) * duration / TURNED)
-    energies[bodies["first"][turning]] = 0.5 * counted * np.einsum("bi,bij,bj->b", spin, inertia, spin)
-    return energies
+    for b in range(len(bodies)):
+        body, squared, twice = bodies[b], 0.0, 0.0
+        if body.rotations > 1:
+            for i in range(3):
+                squared += body.spin[i] ** 2
+                for j in range(3):
+                    twice += body.spin[i] * body.mass[3 + i, 3 + j] * body.spin[j]
+            counted = squared / max(1.0, np.sqrt(squared) * duration / TURNED)
+            energies[body.first] = 0.5 * counted * twice
 
 
 def leave_out_turns(bodies, way):

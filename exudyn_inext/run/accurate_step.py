@@ -95,7 +95,7 @@ def resolution_of_mesh(run: Run, time: float, theta: float) -> Array:
 
 
 def small_error(run: Run) -> float:
-    """x . M x / 2 of errors x that no step is shortened for [kg m^2]; of parts, see `MovingParts`."""
+    """x . M x / 2 of errors x that no step is shortened for [kg m^2]; of parts, see `Motions`."""
     if not isinstance(run, CableRun):
         return 0.0
     cable = run.scene_cable.cable

@@ -40,8 +40,7 @@ from .consistent_start import (
     worst_violations,
 )
 from .divergence import GIVEN_UP, explanation
-from .jump import accelerate_again, remembers_axial_forces
-from .kept_state import KeptState
+from .jump import Jumps
 from .paced_run import PacedRun
 from .redundancy import PULLED, element_masses, is_held_straight, require_independent
 from .settings import SAY_OF_TIME, ExplicitSettings
@@ -181,7 +180,7 @@ class CableRun(PacedRun):
     def adopt(self, system: Any) -> None:
         """The same equations in memory that cables share."""
         self.system, self._tracker = system, FrequencyTracker(system, self.scene_cable.cable.reference.shape)
-        for name in ("called", "_corrections", "_learned", "_strains"):
+        for name in ("called", "_corrections", "_jumps", "_strains"):
             self.__dict__.pop(name, None)
 
     @cached_property
@@ -195,9 +194,8 @@ class CableRun(PacedRun):
         return memory_of(self.system)
 
     @cached_property
-    def _learned(self) -> KeptState:
-        """Of these."""
-        return KeptState(self._corrections)
+    def _jumps(self) -> Jumps:
+        return Jumps({"": self._corrections}, self._corrections)
 
     def follow_frequency(self, rule: StepRule) -> None:
         """Let the steps follow the present stability limit."""
@@ -416,8 +414,17 @@ class CableRun(PacedRun):
     def move_on(self, time: float, end: float, has_changed: bool) -> None:
         """Begin again with supports that have been moved; arguments: see `CoupledRun.move_on`."""
         external = self.loads.at(time)
-        agree(self.called, external, self.state)
-        self._begin_from(time, external)
+        if self.integrator.stabilised:
+            agree(self.called, external, self.state)
+            self._begin_from(time, external)
+            return
+        if not self._stretches:
+            self.forget()
+        self.watch.begin_work()
+        given = self.called, external, self.state, self.control.present
+        self._jumps.take_impulses(*given, self.watch.watch)
+        if self.loads.follows:
+            self.watch.count_ramp(self.loads, time, self.state)
 
     def _begin_from(self, time: float, external: Array) -> None:
         if not self._stretches:
@@ -465,9 +472,8 @@ class CableRun(PacedRun):
         self._start_from(self.loads.at(time))
 
     def _start_from(self, external: Array) -> None:
-        if self._stretches and remembers_axial_forces(self._corrections):
-            given = self.called, external, self.state, self.control.present
-            accelerate_again(*given, [self._corrections], self._learned)
+        if self._jumps.keep_means:
+            self._jumps.accelerate(self.called, external, self.state, self.control.present)
         else:
             self._start_scheme(self.called, external, self.state)
 

@@ -78,8 +78,12 @@ class CableWatch(RunWatch):
 
     def begin_again(self, system: Any, external: Array, state: Any) -> None:
         """Go on where forces may have jumped, from a state that the integrator has just started from."""
-        self.watch.work[:, FACTOR] = np.inf  # known from the first step on
+        self.begin_work()
         self.go_on(system, external, state)
+
+    def begin_work(self) -> None:
+        """Of forces that may have jumped: they are known from the first step on."""
+        self.watch.work[:, FACTOR] = np.inf
 
     def keep(self, state: Any) -> None:
         """Return to this state after steps that go wrong: it begins with other forces than the one before."""

@@ -31,11 +31,11 @@ from ..multibody.scene import (
     NOT_COUNTED,
     SETTLING,
     SceneSystem,
-    energies_of_spins,
     evaluate_states,
     finish_step,
     joint_violation,
     leave_out_turns,
+    set_energies_of_spins,
     settle_contacts,
     subtract_joint_forces,
     take_steps,
@@ -60,7 +60,6 @@ from .ramp import NO_STEP, Line, Ramp
 from .step_control import Piece
 
 FEW = 50  # states
-_NOTHING = np.zeros(0)
 _CHANGING = "connectors", "linear_forces", "loads", "given"  # during a run
 
 ChangedItem = tuple[str, int, str]  # kind, number, name of the parameter
@@ -103,6 +102,7 @@ class SceneLoads:
         least = max((of_cable.sight.least for of_cable in loads), default=0.0)
         self._sight = JumpSight(self._columns_of_places(row), least, self.factors)
         self.of_state = of_loads if isinstance(of_loads, StateFunctions) else None
+        self.vary_on_cables = bool(self._loads)
         end = len(self.constant) - follows
         self._last = slice(end - len(self._is_given), end)
         self._only_moves = 3 * len(moved.joints) + follows == len(self.pattern)
@@ -255,6 +255,7 @@ class CompiledScene:
         self._set(system)
         self._violation = Prepared(joint_violation)
         self._memory = np.zeros(len(system.items.force)), np.zeros(REPORTED)
+        self._spins, self._set_spins = np.zeros(len(system.items.force)), Prepared(set_energies_of_spins)
         self._rates_of_cables = [Bound(index_reduced_rates, own) for _, own, _ in cables]
         self._find_violated = Prepared(_violated)
         self._subtract_joint_forces = Prepared(subtract_joint_forces)
@@ -278,7 +279,7 @@ class CompiledScene:
     @property
     def called(self) -> Any:
         """The system, for kernels that call it by address as an integrator does, see `provide`."""
-        self._called = self._called or called(self.system, *self._calls, finish_step)
+        self._called = self._called or called(self.system, *self._calls, finish_step, report_energy)
         return self._called
 
     @property
@@ -640,9 +641,9 @@ class CompiledScene:
 
     def energies_of_spins(self, duration: float) -> Array:
         """See `EvaluatedScene`."""
-        if not self._has_spins:
-            return _NOTHING
-        return energies_of_spins(self.system.items.bodies, duration, len(self.system.items.force))
+        if self._has_spins:
+            self._set_spins(self.system.items.bodies, duration, self._spins)
+        return self._spins
 
     @property
     def fastest_turn(self) -> float:

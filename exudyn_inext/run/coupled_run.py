@@ -20,7 +20,7 @@ from .cable_run import CableRun, Start
 from .consistent_start import StartCorrection, agree
 from .coupled_limits import LimitedRun, steps_until_look
 from .coupled_watch import LENIENCE, CoupledWatch
-from .jump import accelerate_again, remembers_axial_forces
+from .jump import Jumps
 from .jump_ahead import JumpError
 from .kept_state import KeptState
 from .moved_by_exudyn import MovedByExudyn
@@ -114,7 +114,7 @@ class CoupledRun(LimitedRun):
     def _move_by(self, mover: MovedByKernels | MovedByExudyn) -> None:
         self.mover = mover
         self.looks_ahead, self.elsewhere, self.data = mover.looks_ahead, mover.elsewhere, mover.data
-        for name in ("_kept", "_learned"):  # elsewhere is another place now
+        for name in ("_kept", "_jumps"):  # elsewhere is another place now
             self.__dict__.pop(name, None)
 
     def make_consistent(self, start: Start) -> None:
@@ -213,7 +213,7 @@ class CoupledRun(LimitedRun):
         if not self._by_kernels:
             if self._scene.parts_in_one:
                 self._scene.leave_compiled_parts()
-                self.__dict__.pop("_learned", None)
+                self.__dict__.pop("_jumps", None)
                 self.mover.begin_by(self.integrator.resume, time)
         else:
             self._leave_kernels(CHANGED)
@@ -328,7 +328,7 @@ class CoupledRun(LimitedRun):
 
         What has changed the energy is no error.
         """
-        if not self._has_axial_forces:
+        if not self._jumps.keep_means:
             self.forget()
         self.start_scheme(time)
         self.watch.begin_again(time, self.state)
@@ -344,6 +344,13 @@ class CoupledRun(LimitedRun):
         else:
             self.mover.rest()
         self.watch.is_close = self.mover.approaches
+        if self.watch.has_just_looked and self.mover.takes_impulses:
+            if not self._jumps.keep_means:
+                self.forget()
+            given = self.mover.quick_system.called, self.mover.external_at(time), self.state
+            self._jumps.take_impulses(*given, self.control.present, self.watch.watch)
+            self.watch.begin_from_impulses(time, self.state)
+            return
         with self.mover.loads_kept(time):
             self.mover.begin_by(agree, time)
             if was_compiled and not self._by_kernels:
@@ -378,13 +385,8 @@ class CoupledRun(LimitedRun):
         return {str(k): memory_of(system) for k, (system, _) in enumerate(self._scene.groups)}
 
     @cached_property
-    def _learned(self) -> KeptState:
-        """Of all drift corrections and axial forces."""
-        return KeptState({"scene": self._scene.memory(), "cables": self._corrections})
-
-    @property
-    def _has_axial_forces(self) -> bool:
-        return self.watch.stretches and any(map(remembers_axial_forces, self._corrections.values()))
+    def _jumps(self) -> Jumps:
+        return Jumps(self._corrections, {"scene": self._scene.memory(), "cables": self._corrections})
 
     def resume(self, time: float) -> None:
         """Go on at `time` [s] with the memory that has been set."""
@@ -494,11 +496,11 @@ class CoupledRun(LimitedRun):
             return False
 
     def start_scheme(self, time: float) -> None:
-        if not self._has_axial_forces:
+        if not self._jumps.keep_means:
             self.mover.begin_by(self.integrator.start, time)
             return
-        given = self.mover.quick_system, self.mover.external_at(time), self.state, self.control.present
-        accelerate_again(*given, self._corrections.values(), self._learned)
+        given = self.mover.quick_system, self.mover.external_at(time), self.state
+        self._jumps.accelerate(*given, self.control.present)
 
     def watch_on(self, time: float) -> None:
         self.watch.go_on(time, self.state)

@@ -32,7 +32,7 @@ from ..scene.path_work import (
 from ..system import POWER
 from .cable_run import CableRun
 from .joined_scene import EvaluatedScene
-from .moving_parts import MOTION, MovingParts
+from .moving_parts import Motions, motions_of, see, verdict_with_parts
 from .run_watch import RunWatch
 from .watch import (
     LACK_OF_WORK,
@@ -51,7 +51,6 @@ from .watch import (
     go_back,
     go_on,
     open_account,
-    verdict_after_work,
 )
 
 STEPS_BETWEEN = 1024  # two inspections at most
@@ -109,7 +108,7 @@ class CoupledWatch(RunWatch):
         tolerance = LENIENCE * energy_tolerance
         most = VIOLENT * tolerance if integrator.stabilised else np.inf
         self.watch = build_watch(state, STEPS_BETWEEN, tolerance, most=most)
-        self._draw_up = Prepared(verdict_after_work)
+        self._draw_up = Prepared(verdict_with_parts)
         self._largest_throw, self._check_velocities = Prepared(largest_throw), Prepared(check_velocities)
         self._gravity = np.zeros(len(state.q))
         self._start = np.zeros(len(state.q))  # coordinates from which the extent of the motion counts
@@ -190,14 +189,25 @@ class CoupledWatch(RunWatch):
         return forces
 
     def begin_again(self, t: float, state: Any) -> None:
-        """Go on from a state that the integrator has just started from, and that has been changed."""
+        """Go on from a state that the integrator has just started from, and whose velocities have changed."""
         if self._counts[_STEPS]:
-            self._see_extent(state)
+            see(self._parts, self._way_to(state.q))
         self._counts[_MOST] = FIRST_STEPS
         self._begin_work(t, state)
         self._begin(t, state)
-        self._start[:] = self.watch.position[:] = state.q
+        self.watch.position[:] = state.q
         go_on(self.watch, state)
+
+    @property
+    def has_just_looked(self) -> bool:
+        """Whether the last inspection was in the present state."""
+        return not self._counts[_STEPS]
+
+    def begin_from_impulses(self, t: float, state: Any) -> None:
+        """Go on from a state at t [s] in which joints have got other velocities, whose account is open."""
+        begin_path(self.path, state.q, self._evaluated.forces)
+        self._counts[_MOST] = FIRST_STEPS
+        self._begin(t, state)
 
     def go_on(self, t: float, state: Any) -> None:
         """With another step, from a state that the integrator has just started from, at t [s]."""
@@ -325,33 +335,23 @@ class CoupledWatch(RunWatch):
 
     def _verdict(self, watch: Watch, h: float, t: float, state: Any) -> int:
         self._evaluated.report_energy(t, state, self.watch.present_report, self._scale)
-        self._see_extent(state)
         duration, (work, scatter) = t - self._last[0], take_sums(self.path)
         if self.path is not self.path_of_evaluations:
             take_sums(self.path_of_evaluations)
         work += 0.5 * float(self._changes[0]) / h**2
         self._changes[:] = 0.0
-        motion = self._count_motion(watch, h, state, duration)
         steps, slope = int(self._counts[_STEPS]), float(watch.account["slope"][NOW])
-        trouble = int(self._draw_up(watch, state, self._gravity, work, scatter, steps, duration))
+        spins, way = self._evaluated.energies_of_spins(watch.duration), self._way_to(state.q)
+        given = self._parts, way, spins, h, watch, state, self._gravity
+        trouble = int(self._draw_up(*given, float(work), float(scatter), steps, float(duration)))
         bend = abs(float(watch.account["slope"][NOW]) - slope)
-        if bend * duration**2 > BENT * self.turned_over and not self.is_close:
+        if not self.is_close and bend * duration**2 > BENT * self.turned_over:
             self._counts[_MOST] = max(FIRST_STEPS, steps // 2) // 2  # `_begin` doubles it
         if trouble:
             go_back(watch, state)
-        else:
-            self._parts.motion[:] = motion
         return trouble
 
-    def _count_motion(self, watch: Watch, h: float, state: Any, duration: float) -> Array:
-        """Of all parts, see `MovingParts`; that of the fastest one is judged."""
-        spins = self._evaluated.energies_of_spins(watch.duration)
-        motion = self._parts.going_on(state.a, state.v, spins, duration)
-        for name, value in zip(MOTION, self._parts.fastest(motion, h), strict=True):
-            watch.account[name][NOW] = value
-        return motion
-
-    def _moving_parts(self, size: int) -> MovingParts:
+    def _moving_parts(self, size: int) -> Motions:
         """Each cable and each body; first order states are no motion."""
         part, bodies, masses = np.arange(size), self._bodies, []
         for run, dofs in zip(self._runs, self._places, strict=False):
@@ -361,9 +361,10 @@ class CoupledWatch(RunWatch):
         masses.append((bodies.dofs.start, bodies.system.mass_entries))
         of_all = [(first + rows, first + columns, values) for first, (rows, columns, values) in masses]
         rows, columns, values = map(np.concatenate, zip(*of_all, strict=True))
-        return MovingParts(part, (rows, columns, values), self._length)
+        return motions_of(part, (rows, columns, values), self._length)
 
-    def _see_extent(self, state: Any) -> None:
-        way = state.q - self._start
+    def _way_to(self, q: Array) -> Array:
+        """(n,) from where the extent of the motion counts."""
+        way: Array = q - self._start
         self._evaluated.leave_out_turns(way)
-        self._parts.see(way)
+        return way

@@ -50,6 +50,7 @@ class MovedByKernels(Mover):
         elif form.steered:
             self.asks = f"the function of {form.steered}, which reads what step functions may change"
         self.given, self.data = form.given, form.data
+        self.takes_impulses = not (self._integrator.stabilised or form.loads.vary_on_cables)
         if self._may_damp:
             self.implicit_contacts = bouncing_frequencies(form.contacts.records)
             self.fastest_rubbing_bounce = fastest_rubbing_bounce(form.contacts.records)

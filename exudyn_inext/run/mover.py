@@ -33,12 +33,14 @@ class Mover:
     jump: violation of joints [m, -] between two steps, beyond what the integrator leaves.
     asks: which load depends on the state, where compiled code asks its function.
     elsewhere: see `PacedRun`.
+    takes_impulses: whether joints that move on may, see `Jumps`.
     """
 
     evaluated: EvaluatedScene
     given: Array
     asks = ""
     elsewhere: Any = None
+    takes_impulses = False
     implicit_contacts: Mapping[int, float] = MappingProxyType({})
     fastest_rubbing_bounce = 0.0
     _joined: tuple[list[float], Array] | None = None  # k times [s], (k, n) forces of items and joints there

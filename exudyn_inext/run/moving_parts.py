@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import Prepared, inlined, kernel
+from ..compiled import inlined, inlined_kernel, kernel
 from ..sparse import Entries
-from .watch import OF_EXTENT, SMALL
+from .watch import ALL_IS_WELL, NOW, OF_EXTENT, SMALL, verdict_after_work
 
 MOTION = ("forces", "speeds", "time", "extent", "floor")  # of each part, see `Watch`
 _FORCES, _SPEEDS, _TIME, _EXTENT, _FLOOR = range(5)
@@ -29,6 +29,20 @@ class _Mass(NamedTuple):
     values: Array
 
 
+class Motions(NamedTuple):
+    """Of P parts.
+
+    least: (P,) extent of a motion.   motion: (5, P) so far, see `MOTION`.   others: memory.
+    """
+
+    mass: _Mass
+    least: Array
+    motion: Array
+    gone_on: Array
+    energies: Array
+    fastest: Array
+
+
 @inlined
 def _add_energies(mass, v, factor, energies):
     """energies (P,) += factor v . M v / 2 of each part."""
@@ -39,18 +53,18 @@ def _add_energies(mass, v, factor, energies):
         energies[mass.part[i]] += 0.5 * factor * v[i] * total
 
 
-@kernel
-def _see(mass, way, energies, extent):
-    """extent: (P,) that of the way (n,), if it is larger.   energies: (P,) memory."""
-    energies.fill(0.0)
-    _add_energies(mass, way, 1.0, energies)
-    for p in range(len(extent)):
-        extent[p] = max(extent[p], energies[p])
+@inlined_kernel
+def see(parts, way):
+    """A way x - x_0 (n,), which may be the farthest one so far.   parts: `Motions`."""
+    parts.energies.fill(0.0)
+    _add_energies(parts.mass, way, 1.0, parts.energies)
+    for p in range(len(parts.least)):
+        parts.motion[_EXTENT, p] = max(parts.motion[_EXTENT, p], parts.energies[p])
 
 
-@kernel
+@inlined
 def _go_on(mass, least, motion, a, v, spins, duration, gone_on):
-    """gone_on: (5, P) output, see `MovingParts.going_on`.   least: (P,) extent of a motion."""
+    """gone_on: (5, P) output, `motion` after another duration [s].   least: (P,) extent of a motion."""
     gone_on.fill(0.0)
     _add_energies(mass, a, duration, gone_on[_FORCES])
     _add_energies(mass, v, duration, gone_on[_SPEEDS])
@@ -65,9 +79,9 @@ def _go_on(mass, least, motion, a, v, spins, duration, gone_on):
         gone_on[_FLOOR, p] = least[p] / OF_EXTENT**2
 
 
-@kernel
+@inlined
 def _find_fastest(least, motion, h, fastest):
-    """fastest: (5,) output, see `MovingParts.fastest`."""
+    """(5,) motion of the part of which steps of h [s] make the largest error; of none: zeros."""
     largest = -1.0
     fastest.fill(0.0)
     for p in range(len(least)):
@@ -81,40 +95,45 @@ def _find_fastest(least, motion, h, fastest):
                 fastest[:] = forces, speeds, time, extent, floor
 
 
-class MovingParts:
-    """The motion of all parts.
+@kernel
+def verdict_with_parts(parts, way, spins, h, watch, state, constant, work, scatter, steps, duration):
+    """As `verdict_after_work`, of the fastest part; what rests has not begun to move.
+
+    Args:
+        parts: `Motions` so far; they go on if all is well.
+        way: (n,) x - x_0, which may be the farthest one so far.
+        spins: (n,) what a . M a / 2 lacks, at the first coordinate of each body that turns [J/s^2].
+        h: step [s].   others: see `verdict_after_work`.
+    """
+    see(parts, way)
+    _go_on(parts.mass, parts.least, parts.motion, state.a, state.v, spins, duration, parts.gone_on)
+    _find_fastest(parts.least, parts.gone_on, h, parts.fastest)
+    account = watch.account[NOW]
+    account.forces, account.speeds = parts.fastest[_FORCES], parts.fastest[_SPEEDS]
+    account.time = parts.fastest[_TIME]
+    account.extent, account.floor = parts.fastest[_EXTENT], parts.fastest[_FLOOR]
+    trouble = verdict_after_work(watch, state, constant, work, scatter, steps, duration)
+    if trouble == ALL_IS_WELL:
+        for row in range(len(MOTION)):
+            for p in range(len(parts.least)):
+                parts.motion[row, p] = parts.gone_on[row, p]
+    return trouble
+
+
+def motions_of(part: np.ndarray, mass: Entries, length: float) -> Motions:
+    """That of all parts, which have not begun to move.
 
     Args:
         part: (n,) a number for each coordinate, the same for those of one part.
         mass: at the start, of all coordinates that have one.
         length: of the longest cable [m]: of it, an error of `SMALL` counts for nothing.
-
-    motion: (5, P) so far, see `MOTION`.
     """
-
-    def __init__(self, part: np.ndarray, mass: Entries, length: float) -> None:
-        numbers, part = np.unique(part, return_inverse=True)
-        rows, columns, values = mass
-        self._mass = _Mass(part, np.searchsorted(rows, np.arange(len(part) + 1)), columns, values)
-        self.motion = np.zeros((len(MOTION), len(numbers)))
-        self._least, self._energies = np.zeros((2, len(numbers)))
-        self._gone_on, self._fastest = np.zeros_like(self.motion), np.zeros(len(MOTION))
-        self._see, self._go_on, self._find = Prepared(_see), Prepared(_go_on), Prepared(_find_fastest)
-        self._see(self._mass, np.full(len(part), SMALL * length), self._energies, self._least)
-
-    def see(self, way: Array) -> None:
-        """A way x - x_0 (n,), which may be the farthest one so far."""
-        self._see(self._mass, way, self._energies, self.motion[_EXTENT])
-
-    def going_on(self, a: Array, v: Array, spins: Array, duration: float) -> Array:
-        """The motion after another duration [s] with a, v (n,); what rests has not begun.
-
-        spins: (n,) what a . M a / 2 lacks, at the first coordinate of each body that turns [J/s^2].
-        """
-        self._go_on(self._mass, self._least, self.motion, a, v, spins, duration, self._gone_on)
-        return self._gone_on
-
-    def fastest(self, motion: Array, h: float) -> Array:
-        """(5,) motion of the part of which steps of h [s] make the largest error; of none: zeros."""
-        self._find(self._least, motion, h, self._fastest)
-        return self._fastest
+    numbers, part = np.unique(part, return_inverse=True)
+    rows, columns, values = mass
+    of_rows = _Mass(part, np.searchsorted(rows, np.arange(len(part) + 1)), columns, values)
+    motion, gone_on = np.zeros((2, len(MOTION), len(numbers)))
+    least, energies = np.zeros((2, len(numbers)))
+    found = Motions(of_rows, least, motion, gone_on, energies, np.zeros(len(MOTION)))
+    see(found, np.full(len(part), SMALL * length))
+    least[:], motion[:] = motion[_EXTENT], 0.0
+    return found

@@ -126,18 +126,20 @@ class RunWatch:
     @property
     def is_slow(self) -> bool:
         """Whether the motion so far allows much longer steps."""
+        if self._gains_energy or not (self.may_shorten and SLOW * self._phase_to_grow < self.watch.phase):
+            return False
         now = self.watch.account[NOW]
         has_turned = now.forces * now.time**2 > BEGINNING**2 * now.speeds
-        keeps_mesh = self.watch.mesh[1] == 0.0 or not 0.25 < now.over_mesh < math.inf
-        may_grow = self.may_shorten and not self._gains_energy
-        return bool(may_grow and has_turned and keeps_mesh and SLOW * self._phase_to_grow < self.watch.phase)
+        return bool(has_turned and (self.watch.mesh[1] == 0.0 or not 0.25 < now.over_mesh < math.inf))
 
     @property
     def _phase_to_grow(self) -> float:
         """As if the motion had not gone anywhere, where its extent is not known [rad]."""
-        now = self.watch.account[NOW]
-        turned = self.frequency * now.time
-        return float(now.phase if now.extent else now.phase * SHARE_OF_EXTENT * turned / BEGINNING)
+        account = self.watch.account
+        phase = float(account["phase"][NOW])
+        if account["extent"][NOW]:
+            return phase
+        return phase * SHARE_OF_EXTENT * self.frequency * float(account["time"][NOW]) / BEGINNING
 
     def expect_double_step(self) -> None:
         """The motion so far has this phase error at steps twice as long."""

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import inlined, kernel
+from ..compiled import Prepared, inlined, kernel
 
 _SAME = 1e-6  # of times, in steps
 _GROWTH = 2.0  # of the acceleration from one step to the next, at most
@@ -27,14 +27,15 @@ class Steered:
         self.memory = np.zeros(4 * size + 3)
         self._history = self.memory[3:].reshape(2, 2, size)  # rates and changes, before and in this step
         self._times = self.memory[:3]  # duration of the step before, begin and end of this one [s]
-        self._powers, self._none = np.zeros((2, 3, 3, size))  # of the time that is left
+        self._powers = np.zeros((3, 3, size))  # of the time that is left
+        self._set, self._evaluate = Prepared(_set_powers), Prepared(_evaluate)
         self._end = 0.0
         self.moves = False
 
     def aim(self, left: Array, time: float, end: float) -> None:
         """So much (n,) is left at `time` [s], and nothing at `end` [s] of the same step."""
         self._end = end
-        self.moves = bool(_set_powers(self._times, self._history, self._powers, left, time, end))
+        self.moves = bool(self._set(self._times, self._history, self._powers, left, time, end))
 
     def rest(self) -> None:
         """Stay there."""
@@ -42,24 +43,27 @@ class Steered:
 
     def left_at(self, times: Sequence[float]) -> Array:
         """(T, 3, n) what is left at these times [s], within the step or later, and its derivatives."""
-        powers = self._powers if self.moves else self._none
-        return parabola(powers, [max(self._end - t, 0.0) for t in times])
+        values = np.zeros((len(times), self._powers.shape[2], 3))
+        if self.moves:
+            self._evaluate(self._powers, np.array([max(self._end - t, 0.0) for t in times]), values)
+        return values.transpose(0, 2, 1)
 
 
 def parabola(powers: Array, times: Sequence[float]) -> Array:
     """(T, k, n) p_0 + p_1 t + p_2 t^2 at these times.   powers: (3, k, n)."""
-    values = np.empty((len(times), *powers.shape[1:]))
+    values = np.empty((len(times), *powers.shape[:0:-1]))
     _evaluate(powers, np.array(times, dtype=float), values)
-    return values
+    return values.transpose(0, 2, 1)
 
 
 @kernel
 def _evaluate(powers, times, values):
+    """See `parabola`.   values: (T, n, k) output."""
     for k in range(len(times)):
         for i in range(powers.shape[1]):
             for j in range(powers.shape[2]):
                 rise = powers[1, i, j] + times[k] * powers[2, i, j]
-                values[k, i, j] = powers[0, i, j] + times[k] * rise
+                values[k, j, i] = powers[0, i, j] + times[k] * rise
 
 
 @inlined

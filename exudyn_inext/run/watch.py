@@ -432,7 +432,7 @@ def condemn(watch: Watch, state: Any, trouble: int, excess: float) -> None:
     go_back(watch, state)
 
 
-@kernel
+@inlined
 def verdict_after_work(watch, state, constant, work, scatter, steps, duration):
     """Draw up the account with `present_report`, after work that was counted elsewhere.
 
@@ -450,6 +450,17 @@ def verdict_after_work(watch, state, constant, work, scatter, steps, duration):
     account.scatter += scatter
     _add_work_of_loads(watch, constant, state.q)
     return _verdict(watch, state, steps, duration)
+
+
+@inlined
+def count_impulses(watch, state):
+    """As `go_on`, after impulses: their work p . (v + v') / 2 is the change of the energy.
+
+    The energy before is that of the last inspection, which was in this state.
+    """
+    now, before = watch.present_report, watch.energy_report
+    watch.account[NOW].start += now[KINETIC] + now[ELASTIC] - before[KINETIC] - before[ELASTIC]
+    _keep(watch, state)
 
 
 @called_kernel

@@ -22,6 +22,7 @@ from exudyn.utilities import InertiaCuboid
 
 from exudyn_inext import CreateCableForceSensor, ExplicitStepper, SceneError, SolveExplicit
 from exudyn_inext.exudyn_binding.changes.follower import ChangeFollower
+from exudyn_inext.run.coupled_watch import CoupledWatch
 from exudyn_inext.run.steered import Steered
 from reference_models.model import quiet_settings
 from tests.exudyn_binding.items import SECTION, either_cable, solve_native
@@ -262,6 +263,22 @@ def test_functions_that_step_functions_steer_are_asked_by_compiled_code(new_mbs,
         assert ("reads what step functions may change" in path) == is_compiled
         found.append(mbs.systemData.GetODE2Coordinates())
     np.testing.assert_allclose(*found, rtol=0, atol=1e-9)
+
+
+def test_the_extent_of_a_motion_counts_from_its_start(mbs, monkeypatch):
+    """Errors of the step are compared with it; the way of one step would ask for much shorter ones."""
+    starts, look = [], CoupledWatch.is_well_at
+
+    def seen(watch, *given):
+        starts.append(watch.memory()["start"].copy())
+        return look(watch, *given)
+
+    monkeypatch.setattr(CoupledWatch, "is_well_at", seen)
+    _, drive = by_its_offset(Driven(mbs, False))
+    mbs.SetPreStepUserFunction(lambda mbs, t: drive(t) or True)
+    mbs.Assemble()
+    SolveExplicit(mbs, quiet_settings(END, STEPS))
+    np.testing.assert_array_equal(starts[STEPS // 10], starts[-1])
 
 
 def test_joints_that_move_on_need_no_new_reading(mbs, monkeypatch):

@@ -1,7 +1,7 @@
 """User functions that give offsets of joints."""
 
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,7 @@ class TurnedFrame:
 
     def __init__(self, offsets: Callable[[float], Any], axes: Array) -> None:
         self._offsets, self._axes = offsets, axes
+        self._turned_once = lru_cache(1)(lambda *angles: self._turned_axes(np.array([angles])))
 
     def sample(self, times: Sequence[float]) -> Array:
         """(T, 3, 12) at these times [s]: o, then x, y, z of each axis, with their derivatives."""
@@ -40,13 +41,17 @@ class TurnedFrame:
     def _turned(self, offsets: Array) -> Array:
         """(..., 6) o and a -> (..., 12) o, and the axes one after the other."""
         angles = offsets[..., 3:].reshape(-1, 3)
-        if (angles == angles[0]).all():  # as where distances alone are given
-            angles = angles[:1]
-        rotations = RotXYZ2RotationMatrix(angles.T)  # (3, 3, k)
         found = np.empty((*offsets.shape[:-1], 12))
         found[..., :3] = offsets[..., :3]
-        found.reshape(-1, 12)[:, 3:] = np.einsum("ij,jkn->nki", self._axes, rotations).reshape(-1, 9)
+        is_steady = (angles == angles[0]).all()  # as where distances alone are given
+        turned = self._turned_once(*angles[0].tolist()) if is_steady else self._turned_axes(angles)
+        found.reshape(-1, 12)[:, 3:] = turned
         return found
+
+    def _turned_axes(self, angles: Array) -> Array:
+        """(k, 9) at these angles (k, 3)."""
+        rotations = RotXYZ2RotationMatrix(angles.T)  # (3, 3, k)
+        return np.einsum("ij,jkn->nki", self._axes, rotations).reshape(-1, 9)
 
 
 class _OfTime:
