@@ -28,8 +28,17 @@ from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.runtime.nrt import rtsys
 from numba.core.serialize import dumps
 from numba.core.types.containers import BaseTuple, UniTuple
+from numba.core.datamodel.models import PointerModel
 from numba.core.types.misc import CPointer, unliteral
-from numba.extending import intrinsic, lower_builtin, type_callable
+from numba.core.typing.templates import AttributeTemplate
+from numba.extending import (
+    infer_getattr,
+    intrinsic,
+    lower_builtin,
+    lower_getattr_generic,
+    register_model,
+    type_callable,
+)
 
 from .garbage import not_collected
 
@@ -524,6 +533,55 @@ def address_of(function: Any, system: Any, *kinds: Any) -> int:
     return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name))
 
 
+class AtAddress(CPointer):  # type: ignore[misc]
+    """A named tuple that lies in memory and stays as it is: each field is read where it is asked for.
+
+    By value, a function takes all numbers of all arrays in it, some hundreds for a scene.
+    """
+
+    def __init__(self, kind: Any) -> None:
+        super().__init__(kind)
+        self.instance_class = kind.instance_class
+        self.name = f"{kind.instance_class.__name__} {hashlib.sha256(str(kind).encode()).hexdigest()[:16]}"
+
+
+register_model(AtAddress)(PointerModel)
+
+
+@infer_getattr
+class _Field(AttributeTemplate):  # type: ignore[misc]
+    key = AtAddress
+
+    def generic_resolve(self, at: AtAddress, name: str) -> Any:
+        kind = at.dtype.types[at.dtype.fields.index(name)]
+        return AtAddress(kind) if hasattr(kind, "instance_class") else kind
+
+
+@lower_getattr_generic(AtAddress)
+def _read_field(context: Any, builder: Any, at: AtAddress, address: Any, name: str) -> Any:
+    place = at.dtype.fields.index(name)
+    field = cgutils.gep_inbounds(builder, address, 0, place)
+    is_tuple = hasattr(at.dtype.types[place], "instance_class")
+    return field if is_tuple else _read(builder, field, context.get_data_type(at.dtype.types[place]))
+
+
+def _read(builder: Any, address: Any, kind: Any) -> Any:
+    """A value that nothing changes; number by number, as marks on reading a whole one get lost."""
+    if isinstance(kind, ir.Aggregate):
+        value = ir.Constant(kind, ir.Undefined)
+        for place, part in enumerate(_parts(kind)):
+            own = _read(builder, cgutils.gep_inbounds(builder, address, 0, place), part)
+            value = builder.insert_value(value, own, place)
+        return value
+    value = builder.load(address)
+    value.set_metadata("invariant.load", builder.module.add_metadata([]))
+    return value
+
+
+def _parts(kind: Any) -> Any:
+    return kind.elements if hasattr(kind, "elements") else [kind.element] * kind.count
+
+
 class Structure:
     """What compiled code knows of values of one type.   kind: that type."""
 
@@ -533,7 +591,7 @@ class Structure:
     @property
     def address(self) -> Any:
         """The type of an address where such values lie."""
-        return CPointer(self.kind)
+        return AtAddress(self.kind)
 
     @cached_property
     def size(self) -> int:

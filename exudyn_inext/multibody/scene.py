@@ -487,23 +487,46 @@ def subtract_inertia_forces(bodies, trees, q, v, force):
         subtract_inertia(body, force[body.first :])
 
 
-@kernel
-def joint_violation(bodies, trees, points, sliders, joints, functions, q):
-    """Largest |c| at q (n,).   functions: (F,) of time.   others: see `Items`."""
-    move_rows(joints.rows, functions)
-    for b in range(len(bodies)):
-        place_body(bodies[b], q)
-    place_points(points, bodies, q)
-    place_rare_points(trees, q)
-    place_rare_points(sliders, q)
-    set_values(joints, points)
-    return largest_value(joints, 0.0)
+@protocol
+def joint_violation(system, functions, q):
+    """Largest |c| of the joints at q (n,).   functions: (F,) of time."""
 
 
-@kernel
-def subtract_joint_forces(joints, force):
+@protocol
+def subtract_joint_forces(system, force):
     """force -= J^T nu (n,), with the multipliers of the last evaluation."""
-    subtract_forces(joints, force)
+
+
+JOINT_VIOLATION = by_address(joint_violation, VECTOR, VECTOR)
+JOINT_FORCES = by_address(subtract_joint_forces, VECTOR)
+
+
+@calls(joint_violation)
+def joint_violation_of_called(system, functions, q):
+    return call_protocol(system, JOINT_VIOLATION, (functions, q))
+
+
+@calls(subtract_joint_forces)
+def subtract_joint_forces_of_called(system, force):
+    call_protocol(system, JOINT_FORCES, (force,))
+
+
+@implements(joint_violation, SceneSystem)
+def joint_violation_of_scene(system, functions, q):
+    items = system.items
+    move_rows(items.joints.rows, functions)
+    for b in range(len(items.bodies)):
+        place_body(items.bodies[b], q)
+    place_points(items.points, items.bodies, q)
+    place_rare_points(items.trees, q)
+    place_rare_points(items.sliders, q)
+    set_values(items.joints, items.points)
+    return largest_value(items.joints, 0.0)
+
+
+@implements(subtract_joint_forces, SceneSystem)
+def subtract_joint_forces_of_scene(system, force):
+    subtract_forces(system.items.joints, force)
 
 
 @protocol

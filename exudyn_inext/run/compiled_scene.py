@@ -252,11 +252,9 @@ class CompiledScene:
         self._step_of_means = 0.0  # of these [s]
         self._take_steps = Prepared(take_steps)
         self._set(system)
-        self._violation = Prepared(joint_violation)
         self._memory = np.zeros(len(system.items.force)), np.zeros(REPORTED)
         self._rates_of_cables = [Bound(index_reduced_rates, own) for _, own, _ in cables]
         self._find_violated = Prepared(_violated)
-        self._subtract_joint_forces = Prepared(subtract_joint_forces)
         self.forces = system.items.force
         self.given, self.data = system.items.given, system.items.data
         self.history = system.items.history
@@ -267,6 +265,8 @@ class CompiledScene:
         self.multipliers = joints.multipliers[: joints.holding]
         self._accelerate = Bound(accelerate_and_project, system)
         self._report = Bound(report_energy, system)
+        self._violation = Bound(joint_violation, system)
+        self._subtract_joint_forces = Bound(subtract_joint_forces, system)
         self._called: Any = None
 
     def provide(self, calls: tuple[Any, ...]) -> None:
@@ -558,6 +558,7 @@ class CompiledScene:
         if self._unscaled is None:
             self._unscaled = self._without_scaling(cables)
             self._accelerate_unscaled = Bound(accelerate_and_project, self._unscaled)
+            self._subtract_unscaled = Bound(subtract_joint_forces, self._unscaled)
         multipliers = np.zeros((len(times), len(self.multipliers)))
         forces = np.zeros((len(times), len(self.system.items.force)))
         may_change = self._stretching and len(steps) > 1
@@ -594,7 +595,8 @@ class CompiledScene:
             external = self.loads.follow(self.loads.at(t), q, v)
             self._accelerate_unscaled(external, q, v, 0.0, a, rate)
             multipliers[k] = system.items.joints.multipliers[: multipliers.shape[1]]
-            forces[k] = self._joined_forces(system)
+            forces[k] = system.items.force
+            self._subtract_unscaled(forces[k])
 
     def _without_scaling(self, cables: Sequence[Cable]) -> SceneSystem:
         """The same system in memory of its own, with the cables' mass as it is."""
@@ -614,10 +616,10 @@ class CompiledScene:
         copies.bodies["drift_correction"] = 0.0
         return self.system._replace(cables=own, items=copies)
 
-    def _joined_forces(self, system: SceneSystem) -> Array:
-        """(n,) what items and joints did at the last evaluation of that system."""
-        total: Array = system.items.force.copy()
-        self._subtract_joint_forces(system.items.joints, total)
+    def _joined_forces(self) -> Array:
+        """(n,) what items and joints did at the last evaluation."""
+        total: Array = self.forces.copy()
+        self._subtract_joint_forces(total)
         return total
 
     def accelerate(self, external: Array, q: Array, v: Array, *others: Any) -> None:
@@ -634,7 +636,7 @@ class CompiledScene:
         self._report(external, q, state.v, state.a, self._memory[0], energy_report)
         if len(self.multipliers) and scale < np.inf:
             functions = external[len(self.system.cable_force) :]
-            violation = self._violation(*self._joined, functions, q) / scale
+            violation = self._violation(functions, q) / scale
             energy_report[VIOLATION] = max(energy_report[VIOLATION], violation)
 
     def kinetic_energy(self, q: Array, v: Array) -> float:
@@ -660,15 +662,9 @@ class CompiledScene:
         if self._has_angles:
             leave_out_turns(self.system.items.bodies, way)
 
-    @property
-    def _joined(self) -> tuple[Any, ...]:
-        """What `joint_violation` looks at."""
-        items = self.system.items
-        return items.bodies, items.trees, items.points, items.sliders, items.joints
-
     def violation(self, t: float, q: Array) -> float:
         """Largest |c| of the joints [m, -]."""
-        return float(self._violation(*self._joined, self.loads.of_joints(t), q))
+        return float(self._violation(self.loads.of_joints(t), q))
 
     def violations(self, t: float, q: Array) -> Array:
         """See `EvaluatedScene`."""
@@ -680,7 +676,7 @@ class CompiledScene:
         dofs, _, loads = self._cables[cable]
         size = dofs.stop - dofs.start
         force, (a, rate) = loads.at(t).copy(), np.zeros((2, size))
-        force[:size] += self._joined_forces(self.system)[dofs]
+        force[:size] += self._joined_forces()[dofs]
         self._rates_of_cables[cable](force, q[dofs], v[dofs], a, rate)
         return a
 

@@ -122,7 +122,7 @@ class CompiledParts:
     def joint_force(self, dofs: slice) -> Array:
         """J^T nu on one part, at the last evaluation.   dofs: its place."""
         total = np.zeros(len(self._items.force))
-        subtract_joint_forces(self._items.joints, total)
+        subtract_joint_forces(self.form.system, total)
         return -total[dofs]
 
     def kinetic_energy_of_bodies(self, q: Array, v: Array) -> float:
