@@ -36,7 +36,7 @@ from .system import (
     report_energy,
 )
 
-MOST_PROTOCOLS = 20
+MOST_PROTOCOLS = 21
 PLACES = (  # in tables; compiled code holds them: they must not depend on what is imported first
     "accelerate",
     "correct_position",
@@ -57,6 +57,7 @@ PLACES = (  # in tables; compiled code holds them: they must not depend on what 
     "settle_contacts",
     "joint_violation",
     "subtract_joint_forces",
+    "add_connectors",
 )
 INTEGER = np.dtype(np.int64)
 
@@ -65,7 +66,7 @@ class Called(NamedTuple):
     """Any system, for kernels that shall not depend on its type.
 
     address: where it lies in memory, as compiled code holds it; without the compiler, the system itself.
-    functions: (20,) addresses of its implementations of protocols, by their places; 0: none was asked for.
+    functions: (21,) addresses of its implementations of protocols, by their places; 0: none was asked for.
     """
 
     address: Any

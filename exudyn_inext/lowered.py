@@ -24,11 +24,11 @@ from numba._dynfunc import make_function
 from numba.core import cgutils, event, types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, CompileResult, Flags
+from numba.core.datamodel.models import PointerModel
 from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.runtime.nrt import rtsys
 from numba.core.serialize import dumps
 from numba.core.types.containers import BaseTuple, UniTuple
-from numba.core.datamodel.models import PointerModel
 from numba.core.types.misc import CPointer, unliteral
 from numba.core.typing.templates import AttributeTemplate
 from numba.extending import (

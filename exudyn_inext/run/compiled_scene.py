@@ -30,6 +30,7 @@ from ..multibody.scene import (
     NOT_COUNTED,
     SETTLING,
     SceneSystem,
+    Seen,
     energies_of_spins,
     evaluate_states,
     finish_step,
@@ -586,7 +587,9 @@ class CompiledScene:
                 system = _with_history(system, remembered)
             memory = np.zeros(len(self.loads.constant)), rate
             loads = self.loads.sample(times[:, np.newaxis])
-            given = called(system, accelerate_and_project), system.items, loads
+            items = system.items
+            seen = Seen(items.data, items.history, items.force, items.joints.multipliers)
+            given = called(system, accelerate_and_project, subtract_joint_forces), seen, loads
             evaluate_states(*given, history, multipliers, forces, *memory)
             return
         for k, (t, (q, v, a)) in enumerate(zip(times.tolist(), history, strict=True)):

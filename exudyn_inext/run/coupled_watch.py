@@ -50,6 +50,7 @@ from .watch import (
     condemn,
     go_back,
     go_on,
+    keep,
     open_account,
     verdict_after_work,
 )
@@ -333,13 +334,15 @@ class CoupledWatch(RunWatch):
         self._changes[:] = 0.0
         motion = self._count_motion(watch, h, state, duration)
         steps, slope = int(self._counts[_STEPS]), float(watch.account["slope"][NOW])
-        trouble = int(self._draw_up(watch, state, self._gravity, work, scatter, steps, duration))
+        bare = watch._replace(kept=())  # of one type for all integrators
+        trouble = int(self._draw_up(bare, state.q, self._gravity, work, scatter, steps, duration))
         bend = abs(float(watch.account["slope"][NOW]) - slope)
         if bend * duration**2 > BENT * self.turned_over and not self.is_close:
             self._counts[_MOST] = max(FIRST_STEPS, steps // 2) // 2  # `_begin` doubles it
         if trouble:
             go_back(watch, state)
         else:
+            keep(watch, state)
             self._parts.motion[:] = motion
         return trouble
 
