@@ -36,7 +36,7 @@ from .system import (
     report_energy,
 )
 
-MOST_PROTOCOLS = 21
+MOST_PROTOCOLS = 19
 PLACES = (  # in tables; compiled code holds them: they must not depend on what is imported first
     "accelerate",
     "correct_position",
@@ -55,8 +55,6 @@ PLACES = (  # in tables; compiled code holds them: they must not depend on what 
     "complete_contacts",
     "reconsider_contacts",
     "settle_contacts",
-    "joint_violation",
-    "subtract_joint_forces",
     "add_connectors",
 )
 INTEGER = np.dtype(np.int64)
@@ -66,7 +64,7 @@ class Called(NamedTuple):
     """Any system, for kernels that shall not depend on its type.
 
     address: where it lies in memory, as compiled code holds it; without the compiler, the system itself.
-    functions: (21,) addresses of its implementations of protocols, by their places; 0: none was asked for.
+    functions: (19,) addresses of its implementations of protocols, by their places; 0: none was asked for.
     """
 
     address: Any

@@ -32,12 +32,15 @@ from numba.core.types.containers import BaseTuple, UniTuple
 from numba.core.types.misc import CPointer, unliteral
 from numba.core.typing.templates import AttributeTemplate
 from numba.extending import (
+    NativeValue,
     infer_getattr,
     intrinsic,
     lower_builtin,
     lower_getattr_generic,
     register_model,
     type_callable,
+    typeof_impl,
+    unbox,
 )
 
 from .garbage import not_collected
@@ -286,7 +289,7 @@ def _kinds(argument: Any) -> Any:
         return argument.dtype, argument.ndim, argument.flags.num & _FLAGS_OF_TYPE
     if isinstance(argument, np.generic):
         return argument.dtype
-    return type(argument)
+    return argument.structure if isinstance(argument, Placed) else type(argument)
 
 
 class Kernel(CPUDispatcher):
@@ -598,6 +601,30 @@ class Structure:
         """Bytes that a value takes in memory."""
         context = cpu_target.target_context
         return int(context.get_abi_sizeof(context.get_value_type(self.kind)))
+
+
+class Placed:
+    """A named tuple for kernels that take it by its address, see `AtAddress`; its arrays are used.
+
+    structure: of it.   address: where it lies.
+    """
+
+    def __init__(self, value: Any) -> None:
+        self._value, self._words = value, np.array(words_of(value), np.int64)
+        self.structure, self.address = structure_of(value), place_of(self._words)
+
+
+@typeof_impl.register(Placed)
+def _type_of_placed(placed: Placed, _context: Any) -> Any:
+    return placed.structure.address
+
+
+@unbox(AtAddress)
+def _address_of_placed(kind: Any, placed: Any, tools: Any) -> Any:
+    number = tools.pyapi.object_getattr_string(placed, "address")
+    address = tools.pyapi.long_as_voidptr(number)
+    tools.pyapi.decref(number)
+    return NativeValue(tools.builder.bitcast(address, tools.context.get_value_type(kind)))
 
 
 def place_of(array: np.ndarray) -> int:

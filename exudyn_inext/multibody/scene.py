@@ -488,32 +488,9 @@ def subtract_inertia_forces(bodies, trees, q, v, force):
         subtract_inertia(body, force[body.first :])
 
 
-@protocol
+@kernel
 def joint_violation(system, functions, q):
-    """Largest |c| of the joints at q (n,).   functions: (F,) of time."""
-
-
-@protocol
-def subtract_joint_forces(system, force):
-    """force -= J^T nu (n,), with the multipliers of the last evaluation."""
-
-
-JOINT_VIOLATION = by_address(joint_violation, VECTOR, VECTOR)
-JOINT_FORCES = by_address(subtract_joint_forces, VECTOR)
-
-
-@calls(joint_violation)
-def joint_violation_of_called(system, functions, q):
-    return call_protocol(system, JOINT_VIOLATION, (functions, q))
-
-
-@calls(subtract_joint_forces)
-def subtract_joint_forces_of_called(system, force):
-    call_protocol(system, JOINT_FORCES, (force,))
-
-
-@implements(joint_violation, SceneSystem)
-def joint_violation_of_scene(system, functions, q):
+    """Largest |c| of the joints at q (n,).   system: `placed`.   functions: (F,) of time."""
     items = system.items
     move_rows(items.joints.rows, functions)
     for b in range(len(items.bodies)):
@@ -525,8 +502,9 @@ def joint_violation_of_scene(system, functions, q):
     return largest_value(items.joints, 0.0)
 
 
-@implements(subtract_joint_forces, SceneSystem)
-def subtract_joint_forces_of_scene(system, force):
+@kernel
+def subtract_joint_forces(system, force):
+    """force -= J^T nu (n,), with the multipliers of the last evaluation.   system: `placed`."""
     subtract_forces(system.items.joints, force)
 
 
@@ -587,32 +565,24 @@ def take_steps(scheme, system, loads, state, h, done, in_interval, history, tota
             break
 
 
-class Seen(NamedTuple):
-    """Memory of a scene that shows its states, see `Items` and `Joints`."""
-
-    data: Array
-    history: Array
-    force: Array
-    multipliers: Array
-
-
 @kernel
-def evaluate_states(system, seen, loads, history, multipliers, forces, external, rate):
+def evaluate_states(system, scene, loads, history, multipliers, forces, external, rate):
     """Accelerations and multipliers of states, neither stabilised nor with what earlier steps taught.
 
     Args:
-        system: that has taken no steps.   seen: of it.   loads: history, one row a state.
+        system: that has taken no steps.   scene: the same one, `placed`.   loads: history, one row a state.
         history: (k, 3, n) coordinates and velocities, and output: accelerations; that of contacts is given.
         multipliers: (k, m) output.   forces: (k, n) output, of items and joints.   external, rate: memory.
     """
+    items = scene.items
     for k in range(len(history)):
         q, v, a = history[k, 0], history[k, 1], history[k, 2]
         external_force(loads, k, 0, external)
-        for i in range(seen.data.shape[1]):
-            seen.data[NOW, i] = seen.history[k, i]
+        for i in range(items.data.shape[1]):
+            items.data[NOW, i] = items.history[k, i]
         accelerate_and_project(system, external, q, v, 0.0, a, rate)
         for r in range(multipliers.shape[1]):
-            multipliers[k, r] = seen.multipliers[r]
+            multipliers[k, r] = items.joints.multipliers[r]
         for i in range(forces.shape[1]):
-            forces[k, i] = seen.force[i]
-        subtract_joint_forces(system, forces[k])
+            forces[k, i] = items.force[i]
+        subtract_forces(items.joints, forces[k])

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise, starmap
 from typing import Any
 
@@ -14,7 +14,7 @@ from ..cable.cable import Cable
 from ..cable.chain import Chain
 from ..cable.many_cables import Systems, cable_systems, in_few_chains
 from ..called_system import Bound, behind, called, implements, provide
-from ..compiled import Prepared, kernel
+from ..compiled import Prepared, kernel, placed
 from ..errors import OffCableError, RedundantConstraintError
 from ..integrators.integrator import NO_WORK, LoadHistory
 from ..multibody.build import FunctionOfTime, copied, held_coordinates, with_dashpots
@@ -30,7 +30,6 @@ from ..multibody.scene import (
     NOT_COUNTED,
     SETTLING,
     SceneSystem,
-    Seen,
     energies_of_spins,
     evaluate_states,
     finish_step,
@@ -266,8 +265,8 @@ class CompiledScene:
         self.multipliers = joints.multipliers[: joints.holding]
         self._accelerate = Bound(accelerate_and_project, system)
         self._report = Bound(report_energy, system)
-        self._violation = Bound(joint_violation, system)
-        self._subtract_joint_forces = Bound(subtract_joint_forces, system)
+        self._violation = partial(Prepared(joint_violation), placed(system))
+        self._subtract_joint_forces = partial(Prepared(subtract_joint_forces), placed(system))
         self._called: Any = None
 
     def provide(self, calls: tuple[Any, ...]) -> None:
@@ -559,7 +558,7 @@ class CompiledScene:
         if self._unscaled is None:
             self._unscaled = self._without_scaling(cables)
             self._accelerate_unscaled = Bound(accelerate_and_project, self._unscaled)
-            self._subtract_unscaled = Bound(subtract_joint_forces, self._unscaled)
+            self._subtract_unscaled = partial(Prepared(subtract_joint_forces), placed(self._unscaled))
         multipliers = np.zeros((len(times), len(self.multipliers)))
         forces = np.zeros((len(times), len(self.system.items.force)))
         may_change = self._stretching and len(steps) > 1
@@ -587,9 +586,7 @@ class CompiledScene:
                 system = _with_history(system, remembered)
             memory = np.zeros(len(self.loads.constant)), rate
             loads = self.loads.sample(times[:, np.newaxis])
-            items = system.items
-            seen = Seen(items.data, items.history, items.force, items.joints.multipliers)
-            given = called(system, accelerate_and_project, subtract_joint_forces), seen, loads
+            given = called(system, accelerate_and_project), placed(system), loads
             evaluate_states(*given, history, multipliers, forces, *memory)
             return
         for k, (t, (q, v, a)) in enumerate(zip(times.tolist(), history, strict=True)):
