@@ -557,15 +557,15 @@ class _Field(AttributeTemplate):  # type: ignore[misc]
 
     def generic_resolve(self, at: AtAddress, name: str) -> Any:
         kind = at.dtype.types[at.dtype.fields.index(name)]
-        return AtAddress(kind) if hasattr(kind, "instance_class") else kind
+        return AtAddress(kind) if isinstance(kind, types.NamedTuple) else kind
 
 
 @lower_getattr_generic(AtAddress)
 def _read_field(context: Any, builder: Any, at: AtAddress, address: Any, name: str) -> Any:
     place = at.dtype.fields.index(name)
-    field = cgutils.gep_inbounds(builder, address, 0, place)
-    is_tuple = hasattr(at.dtype.types[place], "instance_class")
-    return field if is_tuple else _read(builder, field, context.get_data_type(at.dtype.types[place]))
+    kind, field = at.dtype.types[place], cgutils.gep_inbounds(builder, address, 0, place)
+    is_tuple = isinstance(kind, types.NamedTuple)
+    return field if is_tuple else _read(builder, field, context.get_data_type(kind))
 
 
 def _read(builder: Any, address: Any, kind: Any) -> Any:

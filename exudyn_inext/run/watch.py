@@ -458,7 +458,7 @@ def record_watched(scheme, system, loads, state, h, steps, history, watch):
     Args:
         scheme, system, loads, state, h: see `advance`.   steps: in each interval.
         history: (intervals, 3, n_dof) output q, v, a at the end of each interval.
-        watch: over the run; its account is open.
+        watch: over the run, `placed`; its account is open.
 
     Returns:
         Number of intervals that ended well. If not all did, `go_back`.
