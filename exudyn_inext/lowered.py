@@ -4,7 +4,7 @@ Operations that are lowered by hand: `local_array`, small memory on the stack; `
 `subtract_multiple`, which take four numbers of a row at once, then two, then one: what a processor has no
 such instructions for, the compiler splits. Rows are (n,) arrays without gaps, n known when compiling.
 `call_at` calls a function by its address, which `address_of` compiles, as C does through a pointer;
-`words_of` lays a value out in memory for it.
+`words_of` lays a value out in memory for it, of which compiled code reads fields, see `AtAddress`.
 """
 
 import hashlib
@@ -547,6 +547,11 @@ class AtAddress(CPointer):  # type: ignore[misc]
         self.instance_class = kind.instance_class
         self.name = f"{kind.instance_class.__name__} {hashlib.sha256(str(kind).encode()).hexdigest()[:16]}"
 
+    @property
+    def key(self) -> str:
+        """What types are compared by: fast, as Numba does it for each call."""
+        return self.name
+
 
 register_model(AtAddress)(PointerModel)
 
@@ -556,6 +561,8 @@ class _Field(AttributeTemplate):  # type: ignore[misc]
     key = AtAddress
 
     def generic_resolve(self, at: AtAddress, name: str) -> Any:
+        if name not in at.dtype.fields:
+            return None
         kind = at.dtype.types[at.dtype.fields.index(name)]
         return AtAddress(kind) if isinstance(kind, types.NamedTuple) else kind
 

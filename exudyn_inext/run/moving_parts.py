@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import Prepared, inlined, kernel
+from ..compiled import Prepared, clear, inlined, kernel
 from ..sparse import Entries
 from .watch import OF_EXTENT, SMALL
 
@@ -51,7 +51,7 @@ def _see(mass, way, energies, extent):
 @kernel
 def _go_on(mass, least, motion, a, v, spins, duration, gone_on):
     """gone_on: (5, P) output, see `MovingParts.going_on`.   least: (P,) extent of a motion."""
-    gone_on.fill(0.0)
+    clear(gone_on)
     _add_energies(mass, a, duration, gone_on[_FORCES])
     _add_energies(mass, v, duration, gone_on[_SPEEDS])
     for i in range(len(spins)):
@@ -68,17 +68,17 @@ def _go_on(mass, least, motion, a, v, spins, duration, gone_on):
 @kernel
 def _find_fastest(least, motion, h, fastest):
     """fastest: (5,) output, see `MovingParts.fastest`."""
-    largest = -1.0
-    fastest.fill(0.0)
+    largest, found = -1.0, -1
     for p in range(len(least)):
-        forces, speeds, time, extent, floor = motion[:, p]
+        forces, speeds, time = motion[_FORCES, p], motion[_SPEEDS, p], motion[_TIME, p]
         if speeds * forces > 0.0:
-            squared = forces / speeds
+            squared, extent = forces / speeds, max(motion[_EXTENT, p], motion[_FLOOR, p])
             made = h**2 / 24.0 * squared**1.5 * time
-            error = np.sqrt(speeds / (time * max(extent, floor) * squared)) * min(made, made ** (1.0 / 3.0))
+            error = np.sqrt(speeds / (time * extent * squared)) * min(made, made ** (1.0 / 3.0))
             if error > largest:
-                largest = error
-                fastest[:] = forces, speeds, time, extent, floor
+                largest, found = error, p
+    for row in range(len(fastest)):
+        fastest[row] = motion[row, found] if found >= 0 else 0.0
 
 
 class MovingParts:
