@@ -28,7 +28,7 @@ from numba.core.datamodel.models import PointerModel
 from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.runtime.nrt import rtsys
 from numba.core.serialize import dumps
-from numba.core.types.containers import BaseTuple, UniTuple
+from numba.core.types.containers import BaseTuple, NamedTuple, UniTuple
 from numba.core.types.misc import CPointer, unliteral
 from numba.core.typing.templates import AttributeTemplate
 from numba.extending import (
@@ -536,7 +536,7 @@ def address_of(function: Any, system: Any, *kinds: Any) -> int:
     return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name))
 
 
-class AtAddress(CPointer):  # type: ignore[misc]
+class AtAddress(CPointer):
     """A named tuple that lies in memory and stays as it is: each field is read where it is asked for.
 
     By value, a function takes all numbers of all arrays in it, some hundreds for a scene.
@@ -557,21 +557,21 @@ register_model(AtAddress)(PointerModel)
 
 
 @infer_getattr
-class _Field(AttributeTemplate):  # type: ignore[misc]
+class _Field(AttributeTemplate):
     key = AtAddress
 
     def generic_resolve(self, at: AtAddress, name: str) -> Any:
         if name not in at.dtype.fields:
             return None
         kind = at.dtype.types[at.dtype.fields.index(name)]
-        return AtAddress(kind) if isinstance(kind, types.NamedTuple) else kind
+        return AtAddress(kind) if isinstance(kind, NamedTuple) else kind
 
 
 @lower_getattr_generic(AtAddress)
 def _read_field(context: Any, builder: Any, at: AtAddress, address: Any, name: str) -> Any:
     place = at.dtype.fields.index(name)
     kind, field = at.dtype.types[place], cgutils.gep_inbounds(builder, address, 0, place)
-    is_tuple = isinstance(kind, types.NamedTuple)
+    is_tuple = isinstance(kind, NamedTuple)
     return field if is_tuple else _read(builder, field, context.get_data_type(kind))
 
 

@@ -15,6 +15,7 @@ from numba.extending import overload
 
 import exudyn_inext
 from exudyn_inext import compiled
+from exudyn_inext.arrays import record_type
 from exudyn_inext.compiled import inlined, inlined_kernel, kernel, placed
 from exudyn_inext.lowered import place_of, set_multiple, subtract_multiple
 
@@ -82,7 +83,8 @@ def read_and_write(outer, result):
 
 
 def test_a_kernel_reads_the_fields_of_what_is_placed():
-    record = np.array([(1,), (5,)], [("place", np.int64)])
+    record = np.zeros(2, record_type([("place", np.int64)]))
+    record["place"] = 1, 5
     inner = Inner(np.arange(4.0), 3, Pair(np.ones(2), np.full(3, 2.0)))
     found = np.zeros((2, 4))
     for place, result in zip((placed, lambda value: value), found, strict=True):
