@@ -579,17 +579,13 @@ def _read(builder: Any, address: Any, kind: Any) -> Any:
     """A value that nothing changes; number by number, as marks on reading a whole one get lost."""
     if isinstance(kind, ir.Aggregate):
         value = ir.Constant(kind, ir.Undefined)
-        for place, part in enumerate(_parts(kind)):
+        for place, part in enumerate(kind.elements):
             own = _read(builder, cgutils.gep_inbounds(builder, address, 0, place), part)
             value = builder.insert_value(value, own, place)
         return value
     value = builder.load(address)
     value.set_metadata("invariant.load", builder.module.add_metadata([]))
     return value
-
-
-def _parts(kind: Any) -> Any:
-    return kind.elements if hasattr(kind, "elements") else [kind.element] * kind.count
 
 
 class Structure:
