@@ -36,7 +36,7 @@ from .system import (
     report_energy,
 )
 
-MOST_PROTOCOLS = 18
+MOST_PROTOCOLS = 19
 PLACES = (  # in tables; compiled code holds them: they must not depend on what is imported first
     "accelerate",
     "correct_position",
@@ -55,6 +55,7 @@ PLACES = (  # in tables; compiled code holds them: they must not depend on what 
     "complete_contacts",
     "reconsider_contacts",
     "settle_contacts",
+    "add_connectors",
 )
 INTEGER = np.dtype(np.int64)
 
@@ -63,7 +64,7 @@ class Called(NamedTuple):
     """Any system, for kernels that shall not depend on its type.
 
     address: where it lies in memory, as compiled code holds it; without the compiler, the system itself.
-    functions: (18,) addresses of its implementations of protocols, by their places; 0: none was asked for.
+    functions: (19,) addresses of its implementations of protocols, by their places; 0: none was asked for.
     """
 
     address: Any
@@ -91,7 +92,7 @@ def by_address(protocol: Any, *kinds: Any) -> int:
     """
 
     def function(system, given):
-        return number_of(protocol(system[0], *taken_apart(given)))
+        return number_of(protocol(system, *taken_apart(given)))
 
     place = PLACES.index(protocol.__name__)
     _ENTRIES[protocol] = _Entry(place, c_function(function), kinds)

@@ -30,6 +30,7 @@ from .lowered import (
     KernelCompiler,
     PartAndKernel,
     PartCompiler,
+    Placed,
     entry_of,
     set_cache,
 )
@@ -99,6 +100,11 @@ class Prepared:
         if self._entry is None:
             self._entry = entry_of(self._function, arguments)
         return self._entry(*arguments)
+
+
+def placed(value: Any) -> Any:
+    """A named tuple for kernels that take it by its address: they read what they need of many arrays."""
+    return value if numba.config.DISABLE_JIT else Placed(value)
 
 
 def plain(function: _Function) -> _Function:

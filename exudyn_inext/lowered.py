@@ -4,7 +4,7 @@ Operations that are lowered by hand: `local_array`, small memory on the stack; `
 `subtract_multiple`, which take four numbers of a row at once, then two, then one: what a processor has no
 such instructions for, the compiler splits. Rows are (n,) arrays without gaps, n known when compiling.
 `call_at` calls a function by its address, which `address_of` compiles, as C does through a pointer;
-`words_of` lays a value out in memory for it.
+`words_of` lays a value out in memory for it, of which compiled code reads fields, see `AtAddress`.
 """
 
 import hashlib
@@ -24,12 +24,24 @@ from numba._dynfunc import make_function
 from numba.core import cgutils, event, types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, CompileResult, Flags
+from numba.core.datamodel.models import PointerModel
 from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.runtime.nrt import rtsys
 from numba.core.serialize import dumps
-from numba.core.types.containers import BaseTuple, UniTuple
+from numba.core.types.containers import BaseTuple, NamedTuple, UniTuple
 from numba.core.types.misc import CPointer, unliteral
-from numba.extending import intrinsic, lower_builtin, type_callable
+from numba.core.typing.templates import AttributeTemplate
+from numba.extending import (
+    NativeValue,
+    infer_getattr,
+    intrinsic,
+    lower_builtin,
+    lower_getattr_generic,
+    register_model,
+    type_callable,
+    typeof_impl,
+    unbox,
+)
 
 from .garbage import not_collected
 
@@ -277,7 +289,7 @@ def _kinds(argument: Any) -> Any:
         return argument.dtype, argument.ndim, argument.flags.num & _FLAGS_OF_TYPE
     if isinstance(argument, np.generic):
         return argument.dtype
-    return type(argument)
+    return argument.structure if isinstance(argument, Placed) else type(argument)
 
 
 class Kernel(CPUDispatcher):
@@ -524,6 +536,58 @@ def address_of(function: Any, system: Any, *kinds: Any) -> int:
     return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name))
 
 
+class AtAddress(CPointer):
+    """A named tuple that lies in memory and stays as it is: each field is read where it is asked for.
+
+    By value, a function takes all numbers of all arrays in it, some hundreds for a scene.
+    """
+
+    def __init__(self, kind: Any) -> None:
+        super().__init__(kind)
+        self.instance_class = kind.instance_class
+        self.name = f"{kind.instance_class.__name__} {hashlib.sha256(str(kind).encode()).hexdigest()[:16]}"
+
+    @property
+    def key(self) -> str:
+        """What types are compared by: fast, as Numba does it for each call."""
+        return self.name
+
+
+register_model(AtAddress)(PointerModel)
+
+
+@infer_getattr
+class _Field(AttributeTemplate):
+    key = AtAddress
+
+    def generic_resolve(self, at: AtAddress, name: str) -> Any:
+        if name not in at.dtype.fields:
+            return None
+        kind = at.dtype.types[at.dtype.fields.index(name)]
+        return AtAddress(kind) if isinstance(kind, NamedTuple) else kind
+
+
+@lower_getattr_generic(AtAddress)
+def _read_field(context: Any, builder: Any, at: AtAddress, address: Any, name: str) -> Any:
+    place = at.dtype.fields.index(name)
+    kind, field = at.dtype.types[place], cgutils.gep_inbounds(builder, address, 0, place)
+    is_tuple = isinstance(kind, NamedTuple)
+    return field if is_tuple else _read(builder, field, context.get_data_type(kind))
+
+
+def _read(builder: Any, address: Any, kind: Any) -> Any:
+    """A value that nothing changes; number by number, as marks on reading a whole one get lost."""
+    if isinstance(kind, ir.Aggregate):
+        value = ir.Constant(kind, ir.Undefined)
+        for place, part in enumerate(kind.elements):
+            own = _read(builder, cgutils.gep_inbounds(builder, address, 0, place), part)
+            value = builder.insert_value(value, own, place)
+        return value
+    value = builder.load(address)
+    value.set_metadata("invariant.load", builder.module.add_metadata([]))
+    return value
+
+
 class Structure:
     """What compiled code knows of values of one type.   kind: that type."""
 
@@ -533,13 +597,37 @@ class Structure:
     @property
     def address(self) -> Any:
         """The type of an address where such values lie."""
-        return CPointer(self.kind)
+        return AtAddress(self.kind)
 
     @cached_property
     def size(self) -> int:
         """Bytes that a value takes in memory."""
         context = cpu_target.target_context
         return int(context.get_abi_sizeof(context.get_value_type(self.kind)))
+
+
+class Placed:
+    """A named tuple for kernels that take it by its address, see `AtAddress`; its arrays are used.
+
+    structure: of it.   address: where it lies.
+    """
+
+    def __init__(self, value: Any) -> None:
+        self._value, self._words = value, np.array(words_of(value), np.int64)
+        self.structure, self.address = structure_of(value), place_of(self._words)
+
+
+@typeof_impl.register(Placed)
+def _type_of_placed(placed: Placed, _context: Any) -> Any:
+    return placed.structure.address
+
+
+@unbox(AtAddress)
+def _address_of_placed(kind: Any, placed: Any, tools: Any) -> Any:
+    number = tools.pyapi.object_getattr_string(placed, "address")
+    address = tools.pyapi.long_as_voidptr(number)
+    tools.pyapi.decref(number)
+    return NativeValue(tools.builder.bitcast(address, tools.context.get_value_type(kind)))
 
 
 def place_of(array: np.ndarray) -> int:

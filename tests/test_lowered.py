@@ -4,6 +4,7 @@ import gc
 import re
 from importlib import metadata
 from pathlib import Path
+from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -14,7 +15,8 @@ from numba.extending import overload
 
 import exudyn_inext
 from exudyn_inext import compiled
-from exudyn_inext.compiled import inlined, inlined_kernel, kernel
+from exudyn_inext.arrays import record_type
+from exudyn_inext.compiled import inlined, inlined_kernel, kernel, placed
 from exudyn_inext.lowered import place_of, set_multiple, subtract_multiple
 
 pytestmark = pytest.mark.kernel
@@ -48,6 +50,58 @@ def test_rows_with_gaps_are_no_rows():
     if hasattr(subtract, "py_func"):
         with pytest.raises(TypingError):
             subtract((0, 0, 0), columns)
+
+
+class Pair(NamedTuple):
+    first: np.ndarray
+    second: np.ndarray
+
+
+class Inner(NamedTuple):
+    rows: np.ndarray
+    number: int
+    pair: Pair
+
+
+class Outer(NamedTuple):
+    table: np.ndarray
+    inner: Inner
+    factor: float
+    sizes: tuple[int, ...]
+    record: np.ndarray
+
+
+@kernel
+def read_and_write(outer, result):
+    """Something of each field; the table is written to."""
+    inner, total = outer.inner, 0.0
+    for k in range(len(inner.pair)):
+        total += inner.pair[k][-1]
+    result[0], result[1] = outer.factor * inner.rows[inner.number], total
+    result[2], result[3] = outer.sizes[1] * outer.table[1, 2], outer.record[1].place
+    outer.table[1, 2] = 7.0
+
+
+def test_a_kernel_reads_the_fields_of_what_is_placed():
+    record = np.zeros(2, record_type([("place", np.int64)]))
+    record["place"] = 1, 5
+    inner = Inner(np.arange(4.0), 3, Pair(np.ones(2), np.full(3, 2.0)))
+    found = np.zeros((2, 4))
+    for place, result in zip((placed, lambda value: value), found, strict=True):
+        outer = Outer(np.arange(6.0).reshape(2, 3), inner, 0.5, (2, 4), record)
+        read_and_write(place(outer), result)
+        assert outer.table[1, 2] == 7.0
+    np.testing.assert_array_equal(found, [[1.5, 3.0, 20.0, 5.0]] * 2)
+
+
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
+def test_a_field_that_what_is_placed_does_not_have_is_named():
+    @kernel
+    def read(pair):
+        return pair.third[0]
+
+    with pytest.raises(TypingError, match="third"):
+        read(placed(Inner(np.ones(1), 0, Pair(np.ones(1), np.ones(1)))))
 
 
 @inlined

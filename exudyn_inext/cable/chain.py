@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import kernel
 from ..element.bending import in_pairs, stiffness_matrix, stiffness_tensor
 from ..element.bending_damping import damping_table
 from ..element.difference_coordinates import in_differences
@@ -138,7 +137,6 @@ def _element_masses(cable: Cable, of_curvature: float) -> Array:
     return masses
 
 
-@kernel
 def _assemble_mass(masses, free, of_nodes, of_elements):
     """Bands of the mass matrix, see `records`; where a coordinate is held, those of the unit matrix.
 
@@ -146,15 +144,10 @@ def _assemble_mass(masses, free, of_nodes, of_elements):
         masses: (N, 4, 4) of the elements.   free: (n, 2).
         of_nodes: (n, 3) output.   of_elements: (N, 4) output.
     """
-    for k in range(len(of_nodes)):
-        of_nodes[k, 0], of_nodes[k, 1], of_nodes[k, 2] = 1.0 - free[k, 0], 0.0, 1.0 - free[k, 1]
-    for k in range(len(of_elements)):
-        for side in range(2):
-            r, s = 2 * side, 2 * side + 1
-            free_r, free_s = free[k + side, 0], free[k + side, 1]
-            of_nodes[k + side, 0] += free_r * masses[k, r, r]
-            of_nodes[k + side, 1] += free_r * free_s * masses[k, r, s]
-            of_nodes[k + side, 2] += free_s * masses[k, s, s]
-        for i in range(2):
-            for j in range(2):
-                of_elements[k, 2 * i + j] = free[k, i] * masses[k, i, 2 + j] * free[k + 1, j]
+    of_nodes[:, 0], of_nodes[:, 1], of_nodes[:, 2] = 1.0 - free[:, 0], 0.0, 1.0 - free[:, 1]
+    for r, nodes in (2, slice(1, None)), (0, slice(-1)):
+        of_nodes[nodes, 0] += free[nodes, 0] * masses[:, r, r]
+        of_nodes[nodes, 1] += free[nodes].prod(axis=1) * masses[:, r, r + 1]
+        of_nodes[nodes, 2] += free[nodes, 1] * masses[:, r + 1, r + 1]
+    between = free[:-1, :, np.newaxis] * masses[:, :2, 2:] * free[1:, np.newaxis]
+    of_elements[:] = between.reshape(-1, 4)

@@ -11,7 +11,7 @@ as rarely as possible: loops over few nodes cost as much as what they do.
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import clear, inlined, inlined_kernel, optional
+from ..compiled import clear, inlined, optional
 from ..lowered import local_array, subtract_multiple
 from .chain import Chain
 from .factorisation import place_in_lower
@@ -334,7 +334,7 @@ def solve_both_columns(axes, nodes, elements, x, y):
             y[k, 1, i] = 0.0
 
 
-@inlined_kernel
+@inlined
 def multiply_by_mass(nodes, elements, x, y):
     """y = M x with the supports taken out.   nodes, elements: (n, 3), (N, 4) masses; x, y: (n, 2, dim)."""
     for k in range(len(x)):
@@ -353,6 +353,11 @@ def multiply_by_mass(nodes, elements, x, y):
 
 def apply_mass(chain: Chain, x: Array) -> Array:
     """M x with the supports taken out.   x: (n, 2, dim)."""
-    product = np.empty_like(x)
-    multiply_by_mass(chain.nodes["mass"], chain.elements["mass"], x, product)
-    return product
+    own, beside = chain.nodes["mass"].T[..., np.newaxis], chain.elements["mass"].T[..., np.newaxis]
+    (r, s), y = (x[:, 0], x[:, 1]), np.empty_like(x)
+    y[:, 0], y[:, 1] = own[0] * r + own[1] * s, own[1] * r + own[2] * s
+    y[:-1, 0] += beside[0] * r[1:] + beside[1] * s[1:]
+    y[:-1, 1] += beside[2] * r[1:] + beside[3] * s[1:]
+    y[1:, 0] += beside[0] * r[:-1] + beside[2] * s[:-1]
+    y[1:, 1] += beside[1] * r[:-1] + beside[3] * s[:-1]
+    return y

@@ -12,6 +12,7 @@ from .build_joints import build_joints
 from .build_nodes import Ends, ends_of_cables
 from .cables import Cables, provide_cables, provide_damping, show_matrix
 from .circle_contacts import add_contacts, check_friction
+from .connectors import Connectors, add_connectors
 from .dashpots import rows_of_dashpots
 from .implicit_contacts import add_contact, complete_contacts, mark_implicit, press, reconsider_contacts
 from .ramps import ramps_of
@@ -76,9 +77,10 @@ def build_scene(
         provide_damping(cables, chains)
     if implicit:
         provide_cables(cables, chains, add_contact)
-    trees, sliders, contacts = _called_parts(known, cables)
+    trees, sliders, springs, contacts = _called_parts(known, cables)
     acting = known.connectors, known.linear_forces, known.loads
-    records = known.bodies, trees, known.points, sliders, *acting, contacts, known.data, known.data[:1].copy()
+    called = springs, contacts
+    records = known.bodies, trees, known.points, sliders, *acting, *called, known.data, known.data[:1].copy()
     memory = force, given, predicted, path, np.zeros(3, np.int64)
     items = Items._make((*records, ramps_of(*acting, known.points), joints, *memory))
     number = places[-1].stop if places else 0
@@ -89,12 +91,13 @@ def build_scene(
 
 
 def _called_parts(known: KnownItems, cables: Cables) -> tuple[Called, ...]:
-    """Trees, sliders and contacts."""
+    """Trees, sliders, springs and contacts."""
     trees = Trees(known.links, known.bodies, known.points)
     sliders = known.sliders._replace(points=known.points)
     contacts = known.contacts._replace(points=known.points, cables=cables)
     placed = (called_part(one, place_rare_points, move_rare_points) for one in (trees, sliders))
-    return *placed, called_part(contacts, *_OF_CONTACTS)
+    springs = called_part(Connectors(known.connectors, known.points, known.data), add_connectors)
+    return *placed, springs, called_part(contacts, *_OF_CONTACTS)
 
 
 def with_dashpots(

@@ -28,7 +28,7 @@ from .nodes import copy_chain
 class Cables(NamedTuple):
     """Systems of k chains.
 
-    addresses: (k,), functions: (k, 12), see `Called`.
+    addresses: (k,), functions: (k, p), see `Called`.
     dofs, inputs: (k + 1,) where the coordinates of each begin, and what it takes as external force.
     """
 

@@ -10,12 +10,14 @@ An angle about z with a place among the data of a scene goes on from the last on
 a turn: see Exudyn's ObjectConnectorTorsionalSpringDamper with a nodeNumber.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import record_type
-from ..compiled import inlined
+from ..arrays import Array, record_type
+from ..called_system import implements, of_parts
+from ..compiled import inlined, protocol
+from ..lowered import COUNT, VECTOR
 from .circle_contacts import NOW
 from .points import add_torque, add_wrench, angle_about, cross, dot
 from .rubbing_springs import BEYOND, SLIDES, force_of_rubbing
@@ -213,16 +215,32 @@ def _set_wrench(connector, one, other, data, settles):
         _turn_wrench(connector)
 
 
-@inlined
-def add_connectors(connectors, points, data, settles, force):
+class Connectors(NamedTuple):
+    """records: of all.   points, data: of the scene, see `Items`."""
+
+    records: Any
+    points: Any
+    data: Array
+
+
+@protocol
+def add_connectors(connectors, settles, force):
     """Add the generalised forces of all connectors to force (n,); the points are placed and move.
 
-    data: see `Contacts`.   settles: whether they are brought up to date.
+    settles: whether data are brought up to date, 1 or 0.
     """
-    for c in range(len(connectors)):
-        connector = connectors[c]
+
+
+of_parts(add_connectors, COUNT, VECTOR)
+
+
+@implements(add_connectors, Connectors)
+def add_all_connectors(connectors, settles, force):
+    points = connectors.points
+    for c in range(len(connectors.records)):
+        connector = connectors.records[c]
         one, other = points[connector.points[0]], points[connector.points[1]]
-        _set_wrench(connector, one, other, data, settles)
+        _set_wrench(connector, one, other, connectors.data, settles)
         add_wrench(one, connector.wrench, connector.factors[0], force)
         add_wrench(other, connector.wrench, -connector.factors[1], force)
         if connector.kind == INTRINSIC:

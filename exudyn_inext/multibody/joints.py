@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import inlined
+from ..compiled import called_kernel, inlined
 from ..sparse_factor import SparseFactor, eliminate_column, substitute
 from .bodies import respond_body
 from .nodes import (
@@ -394,7 +394,7 @@ def _set_forces(joints):
     _branch_forces(joints)
 
 
-@inlined
+@called_kernel
 def apply_joints(joints, x, refines):
     """x -= A^-1 J^T nu, such that J x is the target, or more by softness nu; nu is left in `solved`.
 

@@ -92,7 +92,7 @@ class Items(NamedTuple):
     """All but the cables: records, and memory.
 
     bodies, points, connectors, linear_forces, loads: records.
-    trees, sliders, contacts: what most scenes do not have, called by address.
+    trees, sliders, springs, contacts: what many scenes do not have, called by address; springs: connectors.
     data: (2, D) what contacts and connectors remember, NOW and from the START of the step.
     history: (intervals, D) output: data at the ends of intervals.
     ramps, joints: see `Ramps`, `Joints`.
@@ -109,6 +109,7 @@ class Items(NamedTuple):
     connectors: Any
     linear_forces: Any
     loads: Any
+    springs: Called
     contacts: Called
     data: Array
     history: Array
@@ -181,7 +182,7 @@ def act(items, functions, q, v, a):
     for i in range(len(items.force)):
         items.force[i] = items.given[i]
     settles = items.counting[MODE] == EACH or items.counting[MODE] == SETTLING
-    add_connectors(items.connectors, items.points, items.data, settles, items.force)
+    add_connectors(items.springs, 1 if settles else 0, items.force)
     add_linear_forces(items.linear_forces, q, v, items.force)
     add_contacts(items.contacts, q, v, a, 1 if settles else 0, items.force)
     add_loads(items.loads, items.points, functions, items.force)
@@ -201,7 +202,7 @@ def settle_scene(system, q, v):
     items = system.items
     if items.counting[MODE] == ALL_BUT_FIRST:
         _place(items, q, v)
-        add_connectors(items.connectors, items.points, items.data, True, items.predicted)
+        add_connectors(items.springs, 1, items.predicted)
         add_contacts(items.contacts, q, v, v, 1, items.predicted)
 
 
@@ -262,7 +263,7 @@ def _join_accelerations(joints, zeta, learned, v, predicted, duration, accelerat
     keep_multipliers(joints)
 
 
-@called_kernel
+@inlined
 def _join(joints, share, moving, x, refines):
     """J x = -share c + moving o_t; see `apply_joints`. What moves has the rates of dashpots as predicted."""
     for r in range(joints.holding):
@@ -488,22 +489,23 @@ def subtract_inertia_forces(bodies, trees, q, v, force):
 
 
 @kernel
-def joint_violation(bodies, trees, points, sliders, joints, functions, q):
-    """Largest |c| at q (n,).   functions: (F,) of time.   others: see `Items`."""
-    move_rows(joints.rows, functions)
-    for b in range(len(bodies)):
-        place_body(bodies[b], q)
-    place_points(points, bodies, q)
-    place_rare_points(trees, q)
-    place_rare_points(sliders, q)
-    set_values(joints, points)
-    return largest_value(joints, 0.0)
+def joint_violation(system, functions, q):
+    """Largest |c| of the joints at q (n,).   system: `placed`.   functions: (F,) of time."""
+    items = system.items
+    move_rows(items.joints.rows, functions)
+    for b in range(len(items.bodies)):
+        place_body(items.bodies[b], q)
+    place_points(items.points, items.bodies, q)
+    place_rare_points(items.trees, q)
+    place_rare_points(items.sliders, q)
+    set_values(items.joints, items.points)
+    return largest_value(items.joints, 0.0)
 
 
 @kernel
-def subtract_joint_forces(joints, force):
-    """force -= J^T nu (n,), with the multipliers of the last evaluation."""
-    subtract_forces(joints, force)
+def subtract_joint_forces(system, force):
+    """force -= J^T nu (n,), with the multipliers of the last evaluation.   system: `placed`."""
+    subtract_forces(system.items.joints, force)
 
 
 @protocol
@@ -564,15 +566,15 @@ def take_steps(scheme, system, loads, state, h, done, in_interval, history, tota
 
 
 @kernel
-def evaluate_states(system, items, loads, history, multipliers, forces, external, rate):
+def evaluate_states(system, scene, loads, history, multipliers, forces, external, rate):
     """Accelerations and multipliers of states, neither stabilised nor with what earlier steps taught.
 
     Args:
-        system: that has taken no steps.   items: of it.   loads: history, one row a state.
+        system: that has taken no steps.   scene: the same one, `placed`.   loads: history, one row a state.
         history: (k, 3, n) coordinates and velocities, and output: accelerations; that of contacts is given.
         multipliers: (k, m) output.   forces: (k, n) output, of items and joints.   external, rate: memory.
     """
-    joints = items.joints
+    items = scene.items
     for k in range(len(history)):
         q, v, a = history[k, 0], history[k, 1], history[k, 2]
         external_force(loads, k, 0, external)
@@ -580,7 +582,7 @@ def evaluate_states(system, items, loads, history, multipliers, forces, external
             items.data[NOW, i] = items.history[k, i]
         accelerate_and_project(system, external, q, v, 0.0, a, rate)
         for r in range(multipliers.shape[1]):
-            multipliers[k, r] = joints.multipliers[r]
+            multipliers[k, r] = items.joints.multipliers[r]
         for i in range(forces.shape[1]):
             forces[k, i] = items.force[i]
-        subtract_forces(joints, forces[k])
+        subtract_forces(items.joints, forces[k])

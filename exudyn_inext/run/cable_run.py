@@ -456,11 +456,11 @@ class CableRun(PacedRun):
     def take(self, piece: Piece, history: Array) -> int:
         """See `PacedRun.take`: in one compiled call."""
         before, loads = self.watch.steps, self.loads.sample(piece, self.integrator.stages)
-        rows, watch = history[: piece.intervals], self.watch.watch
-        steps = piece.h, piece.in_interval
-        good = self._record_watched(self.scheme, self.called, loads, self.state, *steps, rows, watch)
+        rows, steps = history[: piece.intervals], (piece.h, piece.in_interval)
+        given = self.called, loads, self.state
+        good = self._record_watched(self.scheme, *given, *steps, rows, self.watch.placed)
         if good < len(rows):
-            go_back(watch, self.state)
+            go_back(self.watch.watch, self.state)
         taken = self.watch.steps - before
         if taken < piece.steps:
             self.trouble = self.integrator.trouble(self.scheme, self.watch.watch.kept)

@@ -8,6 +8,7 @@ from ..arrays import Array
 from ..cable.axial import SHORTEST
 from ..cable.cable import Cable
 from ..cable.links import all_links, motions_of
+from ..compiled import placed
 from ..integrators.integrator import FACTOR, PROJECTION
 from ..scene.model import CableInScene
 from ..system import report_energy
@@ -34,8 +35,10 @@ SUDDEN = 2.0  # times its strain at rest under a load is that of a cable whose l
 class CableWatch(RunWatch):
     """Keeps the account of one cable.
 
-    watch: for `record_watched`.   round_off: of the energy, and that of stretch too small to count [J].
+    watch: of `record_watched`.   round_off: of the energy, and that of stretch too small to count [J].
     """
+
+    _placed: tuple[Any, Any] = (None, None)  # the watch, and the same one `placed`
 
     def __init__(
         self,
@@ -58,6 +61,13 @@ class CableWatch(RunWatch):
         most = VIOLENT * energy_tolerance if gains_energy else np.inf
         least = FIRST_STEPS if moves else LEAST_STEPS
         self.watch = build_watch(state, every, energy_tolerance, loads.pattern, least, most)
+
+    @property
+    def placed(self) -> Any:
+        """The watch, for `record_watched`."""
+        if self._placed[0] is not self.watch:
+            self._placed = self.watch, placed(self.watch)
+        return self._placed[1]
 
     def open(self, system: Any, external: Array, state: Any) -> None:
         """Begin with a state that the integrator has just started from."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise, starmap
 from typing import Any
 
@@ -14,7 +14,7 @@ from ..cable.cable import Cable
 from ..cable.chain import Chain
 from ..cable.many_cables import Systems, cable_systems, in_few_chains
 from ..called_system import Bound, behind, called, implements, provide
-from ..compiled import Prepared, kernel
+from ..compiled import Prepared, kernel, placed
 from ..errors import OffCableError, RedundantConstraintError
 from ..integrators.integrator import NO_WORK, LoadHistory
 from ..multibody.build import FunctionOfTime, copied, held_coordinates, with_dashpots
@@ -253,12 +253,10 @@ class CompiledScene:
         self._step_of_means = 0.0  # of these [s]
         self._take_steps = Prepared(take_steps)
         self._set(system)
-        self._violation = Prepared(joint_violation)
         self._memory = np.zeros(len(system.items.force)), np.zeros(REPORTED)
         self._spins, self._set_spins = np.zeros(len(system.items.force)), Prepared(set_energies_of_spins)
         self._rates_of_cables = [Bound(index_reduced_rates, own) for _, own, _ in cables]
         self._find_violated = Prepared(_violated)
-        self._subtract_joint_forces = Prepared(subtract_joint_forces)
         self.forces = system.items.force
         self.given, self.data = system.items.given, system.items.data
         self.history = system.items.history
@@ -269,6 +267,8 @@ class CompiledScene:
         self.multipliers = joints.multipliers[: joints.holding]
         self._accelerate = Bound(accelerate_and_project, system)
         self._report = Bound(report_energy, system)
+        self._violation = partial(Prepared(joint_violation), placed(system))
+        self._subtract_joint_forces = partial(Prepared(subtract_joint_forces), placed(system))
         self._called: Any = None
 
     def provide(self, calls: tuple[Any, ...]) -> None:
@@ -554,6 +554,7 @@ class CompiledScene:
         if self._unscaled is None:
             self._unscaled = self._without_scaling(cables)
             self._accelerate_unscaled = Bound(accelerate_and_project, self._unscaled)
+            self._subtract_unscaled = partial(Prepared(subtract_joint_forces), placed(self._unscaled))
         multipliers = np.zeros((len(times), len(self.multipliers)))
         forces = np.zeros((len(times), len(self.system.items.force)))
         may_change = self._stretching and len(steps) > 1
@@ -581,7 +582,7 @@ class CompiledScene:
                 system = _with_history(system, remembered)
             memory = np.zeros(len(self.loads.constant)), rate
             loads = self.loads.sample(times[:, np.newaxis])
-            given = called(system, accelerate_and_project), system.items, loads
+            given = called(system, accelerate_and_project), placed(system), loads
             evaluate_states(*given, history, multipliers, forces, *memory)
             return
         for k, (t, (q, v, a)) in enumerate(zip(times.tolist(), history, strict=True)):
@@ -590,7 +591,8 @@ class CompiledScene:
             external = self.loads.follow(self.loads.at(t), q, v)
             self._accelerate_unscaled(external, q, v, 0.0, a, rate)
             multipliers[k] = system.items.joints.multipliers[: multipliers.shape[1]]
-            forces[k] = self._joined_forces(system)
+            forces[k] = system.items.force
+            self._subtract_unscaled(forces[k])
 
     def _without_scaling(self, cables: Sequence[Cable]) -> SceneSystem:
         """The same system in memory of its own, with the cables' mass as it is."""
@@ -610,10 +612,10 @@ class CompiledScene:
         copies.bodies["drift_correction"] = 0.0
         return self.system._replace(cables=own, items=copies)
 
-    def _joined_forces(self, system: SceneSystem) -> Array:
-        """(n,) what items and joints did at the last evaluation of that system."""
-        total: Array = system.items.force.copy()
-        self._subtract_joint_forces(system.items.joints, total)
+    def _joined_forces(self) -> Array:
+        """(n,) what items and joints did at the last evaluation."""
+        total: Array = self.forces.copy()
+        self._subtract_joint_forces(total)
         return total
 
     def accelerate(self, external: Array, q: Array, v: Array, *others: Any) -> None:
@@ -630,7 +632,7 @@ class CompiledScene:
         self._report(external, q, state.v, state.a, self._memory[0], energy_report)
         if len(self.multipliers) and scale < np.inf:
             functions = external[len(self.system.cable_force) :]
-            violation = self._violation(*self._joined, functions, q) / scale
+            violation = self._violation(functions, q) / scale
             energy_report[VIOLATION] = max(energy_report[VIOLATION], violation)
 
     def kinetic_energy(self, q: Array, v: Array) -> float:
@@ -656,15 +658,9 @@ class CompiledScene:
         if self._has_angles:
             leave_out_turns(self.system.items.bodies, way)
 
-    @property
-    def _joined(self) -> tuple[Any, ...]:
-        """What `joint_violation` looks at."""
-        items = self.system.items
-        return items.bodies, items.trees, items.points, items.sliders, items.joints
-
     def violation(self, t: float, q: Array) -> float:
         """Largest |c| of the joints [m, -]."""
-        return float(self._violation(*self._joined, self.loads.of_joints(t), q))
+        return float(self._violation(self.loads.of_joints(t), q))
 
     def violations(self, t: float, q: Array) -> Array:
         """See `EvaluatedScene`."""
@@ -676,7 +672,7 @@ class CompiledScene:
         dofs, _, loads = self._cables[cable]
         size = dofs.stop - dofs.start
         force, (a, rate) = loads.at(t).copy(), np.zeros((2, size))
-        force[:size] += self._joined_forces(self.system)[dofs]
+        force[:size] += self._joined_forces()[dofs]
         self._rates_of_cables[cable](force, q[dofs], v[dofs], a, rate)
         return a
 

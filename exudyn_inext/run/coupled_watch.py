@@ -50,6 +50,7 @@ from .watch import (
     condemn,
     go_back,
     go_on,
+    keep,
     open_account,
 )
 
@@ -342,13 +343,16 @@ class CoupledWatch(RunWatch):
         self._changes[:] = 0.0
         steps, slope = int(self._counts[_STEPS]), float(watch.account["slope"][NOW])
         spins, way = self._evaluated.energies_of_spins(watch.duration), self._way_to(state.q)
-        given = self._parts, way, spins, h, watch, state, self._gravity
+        bare = watch._replace(kept=())  # of one type for all integrators
+        given = self._parts, way, spins, h, bare, state.q, state.v, state.a, self._gravity
         trouble = int(self._draw_up(*given, float(work), float(scatter), steps, float(duration)))
         bend = abs(float(watch.account["slope"][NOW]) - slope)
         if not self.is_close and bend * duration**2 > BENT * self.turned_over:
             self._counts[_MOST] = max(FIRST_STEPS, steps // 2) // 2  # `_begin` doubles it
         if trouble:
             go_back(watch, state)
+        else:
+            keep(watch, state)
         return trouble
 
     def _moving_parts(self, size: int) -> Motions:

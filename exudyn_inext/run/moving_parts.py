@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import inlined, inlined_kernel, kernel
+from ..compiled import clear, inlined, inlined_kernel, kernel
 from ..sparse import Entries
 from .watch import ALL_IS_WELL, NOW, OF_EXTENT, SMALL, verdict_after_work
 
@@ -65,7 +65,7 @@ def see(parts, way):
 @inlined
 def _go_on(mass, least, motion, a, v, spins, duration, gone_on):
     """gone_on: (5, P) output, `motion` after another duration [s].   least: (P,) extent of a motion."""
-    gone_on.fill(0.0)
+    clear(gone_on)
     _add_energies(mass, a, duration, gone_on[_FORCES])
     _add_energies(mass, v, duration, gone_on[_SPEEDS])
     for i in range(len(spins)):
@@ -82,37 +82,37 @@ def _go_on(mass, least, motion, a, v, spins, duration, gone_on):
 @inlined
 def _find_fastest(least, motion, h, fastest):
     """(5,) motion of the part of which steps of h [s] make the largest error; of none: zeros."""
-    largest = -1.0
-    fastest.fill(0.0)
+    largest, found = -1.0, -1
     for p in range(len(least)):
-        forces, speeds, time, extent, floor = motion[:, p]
+        forces, speeds, time = motion[_FORCES, p], motion[_SPEEDS, p], motion[_TIME, p]
         if speeds * forces > 0.0:
-            squared = forces / speeds
+            squared, extent = forces / speeds, max(motion[_EXTENT, p], motion[_FLOOR, p])
             made = h**2 / 24.0 * squared**1.5 * time
-            error = np.sqrt(speeds / (time * max(extent, floor) * squared)) * min(made, made ** (1.0 / 3.0))
+            error = np.sqrt(speeds / (time * extent * squared)) * min(made, made ** (1.0 / 3.0))
             if error > largest:
-                largest = error
-                fastest[:] = forces, speeds, time, extent, floor
+                largest, found = error, p
+    for row in range(len(fastest)):
+        fastest[row] = motion[row, found] if found >= 0 else 0.0
 
 
 @kernel
-def verdict_with_parts(parts, way, spins, h, watch, state, constant, work, scatter, steps, duration):
+def verdict_with_parts(parts, way, spins, h, watch, q, v, a, constant, work, scatter, steps, duration):
     """As `verdict_after_work`, of the fastest part; what rests has not begun to move.
 
     Args:
         parts: `Motions` so far; they go on if all is well.
         way: (n,) x - x_0, which may be the farthest one so far.
         spins: (n,) what a . M a / 2 lacks, at the first coordinate of each body that turns [J/s^2].
-        h: step [s].   others: see `verdict_after_work`.
+        h: step [s].   q, v, a: (n,) present state.   others: see `verdict_after_work`.
     """
     see(parts, way)
-    _go_on(parts.mass, parts.least, parts.motion, state.a, state.v, spins, duration, parts.gone_on)
+    _go_on(parts.mass, parts.least, parts.motion, a, v, spins, duration, parts.gone_on)
     _find_fastest(parts.least, parts.gone_on, h, parts.fastest)
     account = watch.account[NOW]
     account.forces, account.speeds = parts.fastest[_FORCES], parts.fastest[_SPEEDS]
     account.time = parts.fastest[_TIME]
     account.extent, account.floor = parts.fastest[_EXTENT], parts.fastest[_FLOOR]
-    trouble = verdict_after_work(watch, state, constant, work, scatter, steps, duration)
+    trouble = verdict_after_work(watch, q, constant, work, scatter, steps, duration)
     if trouble == ALL_IS_WELL:
         for row in range(len(MOTION)):
             for p in range(len(parts.least)):

@@ -400,7 +400,7 @@ def check_velocities(q, v, a):
 
 
 @inlined
-def _verdict(watch, state, steps, duration):
+def _verdict(watch, steps, duration):
     """What the trouble is after some steps whose work is counted."""
     account, now = watch.account[NOW], watch.present_report
     account.trouble = ALL_IS_WELL
@@ -418,7 +418,6 @@ def _verdict(watch, state, steps, duration):
             account.trouble = TOO_FAST
     if account.trouble == ALL_IS_WELL:
         account.steps += steps
-        _keep(watch, state)
     return account.trouble
 
 
@@ -433,23 +432,23 @@ def condemn(watch: Watch, state: Any, trouble: int, excess: float) -> None:
 
 
 @inlined
-def verdict_after_work(watch, state, constant, work, scatter, steps, duration):
+def verdict_after_work(watch, q, constant, work, scatter, steps, duration):
     """Draw up the account with `present_report`, after work that was counted elsewhere.
 
     Args:
-        watch: over the run.   state: of the integrator.
+        watch: over the run; nothing need be `kept`.   q: (n_dof,) present coordinates.
         constant: (n_dof,) force whose work is counted here.
         work: of the other forces [J].   scatter: of that work [J^2].
         steps, duration: since the last time [-, s].
 
     Returns:
-        What the trouble is; if there is any, `go_back`.
+        What the trouble is; if there is any, `go_back`, and else `keep`.
     """
     account = watch.account[NOW]
     account.work += work
     account.scatter += scatter
-    _add_work_of_loads(watch, constant, state.q)
-    return _verdict(watch, state, steps, duration)
+    _add_work_of_loads(watch, constant, q)
+    return _verdict(watch, steps, duration)
 
 
 @inlined
@@ -470,7 +469,7 @@ def record_watched(scheme, system, loads, state, h, steps, history, watch):
     Args:
         scheme, system, loads, state, h: see `advance`.   steps: in each interval.
         history: (intervals, 3, n_dof) output q, v, a at the end of each interval.
-        watch: over the run; its account is open.
+        watch: over the run, `placed`; its account is open.
 
     Returns:
         Number of intervals that ended well. If not all did, `go_back`.
@@ -489,7 +488,8 @@ def record_watched(scheme, system, loads, state, h, steps, history, watch):
         report_energy(system, state.external, state.q, state.v, state.a, watch.force, watch.present_report)
         _add_work_of_loads(watch, loads.constant, state.q)
         _count_motion(watch, number * h)
-        if _verdict(watch, state, number, number * h) != ALL_IS_WELL:
+        if _verdict(watch, number, number * h) != ALL_IS_WELL:
             return first
+        _keep(watch, state)
         done += number
     return len(history)

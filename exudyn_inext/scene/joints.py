@@ -18,7 +18,7 @@ import numpy as np
 from ..arrays import Array
 from ..cable.linear_response import respond
 from ..called_system import called
-from ..compiled import Prepared, inlined, inlined_kernel, kernel
+from ..compiled import Prepared, inlined, inlined_kernel, kernel, placed
 from ..sparse_factor import SparseFactor, build_factor, eliminate_column, find_order, places_of, substitute
 from .redundant_rows import PIVOT_TOLERANCE, dependent_rows
 
@@ -111,7 +111,9 @@ class JointSolve:
         self._rows = _rows_of(blocks, len(names))
         _share(blocks, self._rows.jacobian, self._rows.response)
         self._responders = list(self._responders_of(blocks))
-        self._set_factor, self._apply = Prepared(_set_factor), Prepared(_apply)
+        rows = placed(self._rows)
+        kernels = (_set_factor, _apply, _add_times)
+        self._set_factor, self._apply, self._add_times = (partial(Prepared(one), rows) for one in kernels)
 
     def _responders_of(self, blocks: Sequence[JointBlock]) -> Iterator[Callable[[], None]]:
         """What sets the responses: one call for all blocks of a whole."""
@@ -133,7 +135,7 @@ class JointSolve:
         """
         for respond_now in self._responders:
             respond_now()
-        if not self._set_factor(self._rows):
+        if not self._set_factor():
             raise dependent_rows(self._dense_schur(), self._names)
 
     def _dense_schur(self) -> Array:
@@ -146,7 +148,7 @@ class JointSolve:
     def times_jacobian(self, x: Array) -> Array:
         """J x (m,).   x: (n,)."""
         result = np.zeros(len(self._names))
-        _add_times(self._rows, x, result)
+        self._add_times(x, result)
         return result
 
     def joint_force(self, nu: Array, dofs: slice) -> Array:
@@ -160,7 +162,7 @@ class JointSolve:
     def apply(self, x: Array, target: Array) -> Array:
         """x -= A^-1 J^T nu in place, such that J x = target; returns nu (m,)."""
         nu: Array = -target
-        self._apply(self._rows, x, nu)
+        self._apply(x, nu)
         return nu
 
 

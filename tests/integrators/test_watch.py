@@ -8,6 +8,7 @@ import pytest
 from exudyn_inext.cable.chain import build_chain
 from exudyn_inext.cable.index_reduction import CableSystem
 from exudyn_inext.called_system import called
+from exudyn_inext.compiled import placed
 from exudyn_inext.integrators import INTEGRATORS
 from exudyn_inext.integrators.integrator import LoadHistory, record
 from exudyn_inext.loads.gravity import gravity_force
@@ -60,7 +61,7 @@ class WatchedPendulum:
         """Steps that went well, and q, v, a after each of them."""
         history = np.zeros((steps, 3, self.constant.size))
         scheme, loads = self.integrator.scheme(), self.loads(h, steps)
-        good = record_watched(scheme, self.called, loads, self.state, h, 1, history, self.watch)
+        good = record_watched(scheme, self.called, loads, self.state, h, 1, history, placed(self.watch))
         if good < steps:
             go_back(self.watch, self.state)
         return good, history[:good]
@@ -166,7 +167,7 @@ def test_intervals_longer_and_shorter_than_those_between_inspections_give_the_sa
         history = np.zeros((500 // steps, 3, pendulum.constant.size))
         scheme, loads = pendulum.integrator.scheme(), pendulum.loads(2e-3, 500)
         good = record_watched(
-            scheme, pendulum.called, loads, pendulum.state, 2e-3, steps, history, pendulum.watch
+            scheme, pendulum.called, loads, pendulum.state, 2e-3, steps, history, placed(pendulum.watch)
         )
         assert good == len(history)
         ends.append(history[-1])
