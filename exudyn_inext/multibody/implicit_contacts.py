@@ -1,4 +1,4 @@
-"""Damping of contact that is implicit in the accelerations of the cable.
+"""Contact whose dampers and springs are implicit in the accelerations of the cable.
 
 Along n and t of a segment that touches, with the damping d and B x its motion by the cable's coordinates,
 
