@@ -15,7 +15,7 @@ from exudyn_inext import CableShape, CreateCompanionCables, CreateInextensibleCa
 from tests.exudyn_binding.items import solve_native, trajectory
 from tests.items.attach.contact import Circle, add_contact
 
-ELEMENTS, RADIUS, END, GRAVITY = 16, 0.2, 0.07, [0, -9.81, 0]
+ELEMENTS, RADIUS, END, GRAVITY = 24, 0.2, 0.07, [0, -9.81, 0]
 SECTION = {"massPerLength": 0.1, "bendingStiffness": 0.02, "axialStiffness": 2e3}
 WHEEL = Circle(radius=0.19, stiffness=1e4, damping=10.0, friction=0.3, friction_damping=10.0)
 
@@ -67,7 +67,7 @@ def belts(new_mbs, add_sensor):
 def test_three_closed_belts_are_compiled_and_fall_as_native_ones(belts, solve):
     (mbs, sensors), (twin, native_sensors) = belts(add_ours), belts(add_native)
     assert "compiled call" in solve(mbs, END)["path"]
-    solve_native(twin, END, step=2e-5)
+    solve_native(twin, END, step=5e-5)
     found, expected = (
         np.array([trajectory(*pair)[-1, 2] - RADIUS for pair in ((system, k) for k in numbers)])
         for system, numbers in ((mbs, sensors), (twin, native_sensors))
