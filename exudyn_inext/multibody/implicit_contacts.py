@@ -17,7 +17,7 @@ the circle is told of it afterwards, see `scene`.
 Springs add h^2 k (1/2 + 1/16) to W, which acts on a alone: central differences with M + h^2 k / 4 are the
 trapezoidal rule, and no step is too long for more. With half of it, what is pressed for two steps leaves as
 fast as it came, however stiff that is; with a quarter, up to three times as fast. Steps are still to resolve
-what bounces, since it has less than the critical damping: friction then follows the force of each step.
+what bounces, since it has less than the critical damping, and pressure under which cables rub.
 
 The circle's own motion is not in W: where cables are much heavier than a circle, steps that friction turns
 round gain energy, and the watch of the run takes shorter ones.
@@ -33,6 +33,7 @@ from ..cable.contact_mass import add_contact_row, clear_contact_mass
 from ..cable.index_reduction import CableSystem
 from ..cable.linked_cable import LinkedCableSystem
 from ..called_system import by_address, call_protocol, calls, implements, of_parts
+from ..checks import SMALLEST
 from ..compiled import inlined, optional, protocol
 from ..lowered import COUNT, REAL, VECTOR, local_array
 from .cables import Cables, one_chain, provides
@@ -68,26 +69,33 @@ def leave_springs_out(records: Any, share: float) -> None:
         own[name] -= share * own["springs"][:, axis]
 
 
-def bouncing_frequencies(records: Any) -> dict[int, float]:
-    """Of implicit contacts with circles, by the place of their data: sqrt(k / m) [rad/s], or 0.
+def contact_rates(records: Any) -> dict[int, float]:
+    """At which the pressure of implicit contacts with circles changes, by the place of their data [1/s].
 
-    m is the mass of a segment; what is damped critically does not bounce.
+    That is sqrt(k / m), m the mass of a segment, or the slower one of both roots of m x'' + d x' + k x = 0;
+    the faster one is left to implicit damping. 0: it need not be known, of what neither bounces nor rubs.
     """
     own = _implicit(records)
-    return dict(zip(own["place"].tolist(), _bounces(own).tolist(), strict=True))
+    rates, bounces = _rates(own)
+    return dict(zip(own["place"].tolist(), (rates * (bounces | _rubs(own))).tolist(), strict=True))
 
 
-def fastest_rubbing_bounce(records: Any) -> float:
-    """Of implicit contacts with circles that rub as they bounce [rad/s]; 0: none does."""
+def fastest_rubbing_contact(records: Any) -> float:
+    """Rate of those that rub [1/s], since friction follows the pressure; 0: none does."""
     own = _implicit(records)
-    rubs = own["friction"] * (own["viscosity"] + own["friction_stiffness"]) > 0.0
-    return float((_bounces(own) * rubs).max(initial=0.0))
+    return float((_rates(own)[0] * _rubs(own)).max(initial=0.0))
 
 
-def _bounces(records: Any) -> Any:
-    """See `bouncing_frequencies`."""
+def _rates(records: Any) -> tuple[Any, Any]:
+    """See `contact_rates`; and which bounce, with less than the critical damping."""
     frequencies = np.sqrt(records["stiffness"] / records["mass"])
-    return frequencies * (records["damping"] < 2.0 * frequencies * records["mass"])
+    ratios = 0.5 * records["damping"] / np.maximum(frequencies * records["mass"], SMALLEST)
+    beyond = np.sqrt(np.maximum(ratios**2 - 1.0, 0.0))
+    return frequencies / (np.maximum(ratios, 1.0) + beyond), ratios < 1.0
+
+
+def _rubs(records: Any) -> Any:
+    return records["friction"] * (records["viscosity"] + records["friction_stiffness"]) > 0.0
 
 
 def _implicit(records: Any) -> Any:

@@ -3,7 +3,7 @@
 Springs and dashpots between the middle of each open segment and the circle: those of contact across the
 cable, those of friction along it, as on a cable that lies on the circle. The ends of a segment meet the
 circle at an angle, by which each acts a little in the other direction, too. A circle feels at most one turn
-of the cable at once. Steps have to resolve how implicit contacts bounce, see `multibody.implicit_contacts`.
+of the cable at once. Of implicit ones, see `multibody.implicit_contacts`, the pressure counts.
 """
 
 from collections.abc import Mapping, Sequence
@@ -32,7 +32,7 @@ class _OpenContact:
     """An object with segments that do not touch, or that is implicit.
 
     number: of the object.   data: of it.   element: (8,) system coordinates of its cable.
-    segments: number of those that count.   length: of them together [m].   bounce: see `OpenContacts`.
+    segments: number of those that count.   length: of them together [m].   rate: see `OpenContacts`.
     middles, slopes: (segments, 4) shape functions and their derivatives [1/m] in the middle of each.
     """
 
@@ -41,7 +41,7 @@ class _OpenContact:
     element: np.ndarray
     segments: int
     length: float
-    bounce: float
+    rate: float
     middles: Array
     slopes: Array
 
@@ -86,9 +86,9 @@ def open_contacts(
     found = [contact for contact in contacts if contact is not None]
     if not found:
         return None
-    springs = _springs(mbs, [contact for contact in found if not contact.bounce], coordinates, size)
-    bounce = max(contact.bounce for contact in found)
-    return OpenContacts(*springs, bounce, _name(found), STIFFNESSES, DAMPINGS)
+    springs = _springs(mbs, [contact for contact in found if not contact.rate], coordinates, size)
+    rate = max(contact.rate for contact in found)
+    return OpenContacts(*springs, rate, _name(found), STIFFNESSES, DAMPINGS)
 
 
 def _springs(
@@ -141,15 +141,15 @@ def _read(mbs: Any, number: int, gaps: Array, implicit: Mapping[int, float]) -> 
     _require_finite(number, data)
     segments, length = int(data["numberOfContactSegments"]), float(body["length"])
     places = mbs.systemData.GetObjectLTGData(number)[:segments]
-    bounce = implicit.get(int(places[0]))
-    counts = gaps[places] > 0.0 if bounce is None else np.full(segments, bounce > 0.0)
+    rate = implicit.get(int(places[0]))
+    counts = gaps[places] > 0.0 if rate is None else np.full(segments, rate > 0.0)
     xi = (np.flatnonzero(counts) + 0.5) / segments
     if not len(xi):
         return None
     element = np.array(mbs.systemData.GetObjectLTGODE2(cable), dtype=int)
     middles, slopes = shape_functions(xi, length).T, first_derivatives(xi, length).T
     of_all = length * len(xi) / segments
-    return _OpenContact(number, data, element, len(xi), of_all, bounce or 0.0, middles, slopes)
+    return _OpenContact(number, data, element, len(xi), of_all, rate or 0.0, middles, slopes)
 
 
 class _Circle:

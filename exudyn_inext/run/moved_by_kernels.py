@@ -12,7 +12,7 @@ from ..compiled import Prepared, kernel
 from ..errors import SceneError
 from ..integrators.integrator import Integrator
 from ..multibody.connectors import places_of_rubbing
-from ..multibody.implicit_contacts import bouncing_frequencies, fastest_rubbing_bounce
+from ..multibody.implicit_contacts import contact_rates, fastest_rubbing_contact
 from .cable_run import CableRun
 from .compiled_scene import CompiledScene
 from .consistent_start import StartCorrection
@@ -52,8 +52,8 @@ class MovedByKernels(Mover):
         self.given, self.data = form.given, form.data
         self.takes_impulses = not (self._integrator.stabilised or form.loads.vary_on_cables)
         if self._may_damp:
-            self.implicit_contacts = bouncing_frequencies(form.contacts.records)
-            self.fastest_rubbing_bounce = fastest_rubbing_bounce(form.contacts.records)
+            self.implicit_contacts = contact_rates(form.contacts.records)
+            self.fastest_rubbing_contact = fastest_rubbing_contact(form.contacts.records)
         self._foreseen = state.q.copy(), state.v.copy()  # at the end of a step
         self._beginnings: dict[Callable[..., None], Prepared] = {}
         self._end_of_step = 0.0  # until which joints are moved [s]

@@ -28,8 +28,7 @@ class Mover:
 
     system: that takes the steps.   evaluated: the scene, by whom evaluates it.
     given: (n,) forces besides those of the items, which others may set.
-    implicit_contacts: frequencies at which they bounce, see `multibody.implicit_contacts`.
-    fastest_rubbing_bounce: of these [rad/s], see there.
+    implicit_contacts, fastest_rubbing_contact: their rates [1/s], see `multibody.implicit_contacts`.
     jump: violation of joints [m, -] between two steps, beyond what the integrator leaves.
     asks: which load depends on the state, where compiled code asks its function.
     elsewhere: see `PacedRun`.
@@ -42,7 +41,7 @@ class Mover:
     elsewhere: Any = None
     takes_impulses = False
     implicit_contacts: Mapping[int, float] = MappingProxyType({})
-    fastest_rubbing_bounce = 0.0
+    fastest_rubbing_contact = 0.0
     _joined: tuple[list[float], Array] | None = None  # k times [s], (k, n) forces of items and joints there
     _settled: tuple[Array, Array] | None = None  # (D,), (2, D) what contacts are said to remember, and do
 

@@ -32,7 +32,7 @@ THETA = 0.3  # share of bending that is implicit: 1/4 leaves no margin for the t
 THETA_AMONG_BODIES = 0.55  # with which bending alone, h w < theta^(-1/2), keeps to the share that is used
 STIFF = 0.5  # share of the step of short waves, up to which tension decides, and bending keeps its bound
 OF_STATES = 0.2  # step times the frequency of first order states, as of oil under pressure
-OF_BOUNCES = 0.7  # step times sqrt(k / m): of a rope on a drum, friction is then 1 % off, 7 % without damping
+OF_RUBBING = 0.7  # step times the rate of contacts: a rope on a drum is then 1 % off, 7 % without damping
 PHASE = 0.003  # error of the motion at the end of a run [rad]
 MOST_DURATION = 100.0  # of a run, for that [s]
 SLOWED = 1.5  # times that dashpots may shorten the step and be explicit
@@ -210,7 +210,7 @@ def _bounds_and_scaling(
             usual = THETA_AMONG_BODIES
         lightest = min(run.lightest_body for run in runs if isinstance(run, CoupledRun))
         of_bending = min(step_of_short_waves(cable, lightest) for cable in cables)
-        of_others = (step for run in runs for step in (_step_of_states(run, start), _step_of_bounces(run)))
+        of_others = (step for run in runs for step in (_step_of_states(run, start), _step_of_rubbing(run)))
         accuracy = min(accuracy, of_bending, *of_others)
     theta = _mass_scaling(cables, accuracy, explicit, usual)
     explicit = replace(explicit, massScaling=theta)
@@ -271,10 +271,10 @@ def _step_of_states(run: Run, start: float) -> float:
     return OF_STATES / run.frequency_of_states if run.frequency_of_states > 0.0 else math.inf
 
 
-def _step_of_bounces(run: Run) -> float:
-    """Largest step by which contacts that bounce rub as they should [s]."""
-    fastest = run.mover.fastest_rubbing_bounce if isinstance(run, CoupledRun) else 0.0
-    return OF_BOUNCES / fastest if fastest > 0.0 else math.inf
+def _step_of_rubbing(run: Run) -> float:
+    """Largest step that resolves the pressure under which cables rub on circles [s]."""
+    fastest = run.mover.fastest_rubbing_contact if isinstance(run, CoupledRun) else 0.0
+    return OF_RUBBING / fastest if fastest > 0.0 else math.inf
 
 
 def _for_its_own_mass(wanted: float, step: float, theta: float, bounds: StepSizeBounds) -> float:

@@ -16,7 +16,7 @@ class OpenContacts:
     Args:
         motion: B (m, n), sparse: relative displacements of contact points from coordinates.
         stiffness: k (m,) [N/m].   damping: d (m,) [N s/m].
-        bounce: frequency of others, of the mass that touches and their stiffness [rad/s]; 0: there are none.
+        rate: at which the pressure of others changes, which steps have to resolve [1/s]; 0: there are none.
 
     name: of them, for messages.   stiffnesses, dampings: which parameters set them.
     """
@@ -26,12 +26,12 @@ class OpenContacts:
         motion: Any,
         stiffness: Array,
         damping: Array,
-        bounce: float,
+        rate: float,
         name: str,
         stiffnesses: Sequence[str],
         dampings: Sequence[str],
     ) -> None:
-        self._bounce = bounce
+        self._rate, self._has_springs = rate, len(stiffness) > 0
         self.name, self.stiffnesses, self.dampings = name, stiffnesses, dampings
         self._stiffness, self._damping = (
             scipy.sparse.csr_array(motion.T @ (values[:, np.newaxis] * motion))
@@ -42,10 +42,12 @@ class OpenContacts:
         self, system: Any, external: Array, given: Array, q: Array, v: Array, kept: Array
     ) -> FastestRates:
         """As `fastest_rates`, if all of them close.   given: (n,) other forces, which the system takes."""
+        if not self._has_springs:
+            return FastestRates(self._rate, 0.0)
         before = given.copy()
         try:
             added = AddedForces(given, self._stiffness.__matmul__, self._damping.__matmul__)
             rates = fastest_rates(system, external, q, v, kept, added)
-            return rates._replace(frequency=max(rates.frequency, self._bounce))
+            return rates._replace(frequency=max(rates.frequency, self._rate))
         finally:
             given[:] = before

@@ -198,7 +198,7 @@ def test_contact_does_not_bound_the_step_of_a_cable_that_stretches(build, native
         mbs, sensors = build(16, extensible=True, **scene)
         report = solve(mbs, END, stepSize=step)
         found.append(at_the_end(mbs, sensors))
-        assert report["bounds"].contact == np.inf
+        assert report["bounds"].contact > 1e-3  # 2 d / k; explicit dashpots: 2.4e-5 s
     np.testing.assert_allclose(found[0], expected, rtol=0.02)
     np.testing.assert_allclose(found[0], found[2], rtol=5e-3)
     np.testing.assert_allclose(found[1], found[2], rtol=1e-3)
@@ -326,7 +326,7 @@ def test_a_wheel_and_the_cable_that_rubs_on_it_keep_their_momentum(new_mbs, solv
     """What joints at the cable's ends do to it changes friction, which is implicit: the wheel feels that."""
     mbs, nodes = spinning(new_mbs, touch)
     before = momentum(mbs, nodes)
-    solve(mbs, END)
+    solve(mbs, END, stepSize=1e-4)
     assert momentum(mbs, nodes) == pytest.approx(before, rel=1e-4)
 
 
