@@ -44,8 +44,7 @@ CONTACT = record_type(
         ("viscosity", np.float64),
         ("length", np.float64),  # of a segment
         ("height", np.float64),  # of the ends above the cable's axis
-        ("implicit", np.bool_),  # whether its damping may be, see `implicit_contacts`
-        ("springs", np.float64, (2,)),  # stiffness along n and t that may be, too [N/m]
+        ("implicit", np.bool_),  # whether it may be, see `implicit_contacts`
         ("lag", np.float64),  # the step h [s] where it is; 0: it is explicit
         ("mass", np.float64),  # of a segment [kg]
         ("wrench", np.float64, (6,)),
@@ -245,7 +244,7 @@ def _set_mass(contact, segment, axis, damping, spring):
 
 @inlined
 def _rub(contact, circle, segment, data, state, at):
-    """Set f_t; its damping and its spring, as far as that may be implicit."""
+    """Set f_t; its damping and its stiffness."""
     if abs(state) == 1:
         segment.force[1] = state * contact.friction * abs(segment.force[0])
         speed, force = abs(segment.rate[1]), abs(segment.force[1])
@@ -254,7 +253,7 @@ def _rub(contact, circle, segment, data, state, at):
     if state == int(STICKS) and contact.friction_stiffness != 0.0:
         slip, _ = _slip(contact, circle, segment, data[NOW, at + 2 * contact.segments])
         segment.force[1] += contact.friction_stiffness * slip
-        return contact.viscosity, contact.springs[1]
+        return contact.viscosity, contact.friction_stiffness
     return contact.viscosity, 0.0
 
 
@@ -266,7 +265,7 @@ def _set_force(contact, circle, segment, data, at):
     if contact.has_friction:
         state = int(data[NOW, at + contact.segments])
         damping, spring = _rub(contact, circle, segment, data, state, at)
-    _set_mass(contact, segment, 0, contact.damping, contact.springs[0])
+    _set_mass(contact, segment, 0, contact.damping, contact.stiffness)
     _set_mass(contact, segment, 1, damping, spring)
 
 

@@ -56,17 +56,12 @@ def mark_implicit(cables: Cables, chains: Sequence[Any], records: Any) -> bool:
     for offset, system in zip(cables.dofs.tolist(), chains, strict=False):
         of_these = records["nodes"][:, 0] >= offset
         records["implicit"][of_these] = system.chain.elements["contact"].size > 0
-    own = _of_circles(records)
-    for axis, name in enumerate(_STIFFNESSES):
-        own["springs"][:, axis] = own[name] * own["implicit"]
     return bool(records["implicit"].any())
 
 
-def leave_springs_out(records: Any, share: float) -> None:
-    """Take that share of the stiffness that is implicit off contacts."""
-    own = _of_circles(records)
-    for axis, name in enumerate(_STIFFNESSES):
-        own[name] -= share * own["springs"][:, axis]
+def implicit_parameters(records: Any) -> tuple[str, ...]:
+    """Fields of what is implicit in contacts that are; the springs of a GeneralContact bound steps."""
+    return "damping", "viscosity", *(_STIFFNESSES if records.dtype == CONTACT_WITH_CIRCLE else ())
 
 
 def contact_rates(records: Any) -> dict[int, float]:
@@ -99,13 +94,9 @@ def _rubs(records: Any) -> Any:
 
 
 def _implicit(records: Any) -> Any:
-    own = _of_circles(records)
-    return own[own["implicit"]]
-
-
-def _of_circles(records: Any) -> Any:
-    """All of them, or none if they are of a GeneralContact."""
-    return records if records.dtype == CONTACT_WITH_CIRCLE else np.zeros(0, CONTACT_WITH_CIRCLE)
+    """Those with circles that are."""
+    of_circles = records.dtype == CONTACT_WITH_CIRCLE
+    return records[records["implicit"]] if of_circles else np.zeros(0, CONTACT_WITH_CIRCLE)
 
 
 @protocol

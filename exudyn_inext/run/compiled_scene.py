@@ -19,7 +19,7 @@ from ..errors import OffCableError, RedundantConstraintError
 from ..integrators.integrator import NO_WORK, LoadHistory
 from ..multibody.build import FunctionOfTime, copied, held_coordinates, with_dashpots
 from ..multibody.cables import Cables, cables_in_a_row, provide_cables
-from ..multibody.implicit_contacts import leave_springs_out
+from ..multibody.implicit_contacts import implicit_parameters
 from ..multibody.joints import Joints
 from ..multibody.ramps import Ramps, with_ramps
 from ..multibody.scene import (
@@ -229,7 +229,8 @@ class CompiledScene:
         numbers: of items that may be changed, see `native.known.scene.KnownNumbers`.
 
     forces: (n,) what the items did to the coordinates at the last evaluation [N, Nm].
-    multipliers: (m,) of the joints there.   given: (n,) forces that others set, besides those of the items.
+    multipliers: (m,) of the joints there, whose forces `subtract_joint_forces` takes off (n,) ones.
+    given: (n,) forces that others set, besides those of the items.
     history: (intervals, D) what contacts remember after each interval that has begun with `begin_history`.
     """
 
@@ -267,8 +268,9 @@ class CompiledScene:
         self.multipliers = joints.multipliers[: joints.holding]
         self._accelerate = Bound(accelerate_and_project, system)
         self._report = Bound(report_energy, system)
-        self._violation = partial(Prepared(joint_violation), placed(system))
-        self._subtract_joint_forces = partial(Prepared(subtract_joint_forces), placed(system))
+        at = placed(system)
+        self._violation = partial(Prepared(joint_violation), at)
+        self.subtract_joint_forces = partial(Prepared(subtract_joint_forces), at)
         self._called: Any = None
 
     def provide(self, calls: tuple[Any, ...]) -> None:
@@ -368,9 +370,8 @@ class CompiledScene:
         saved, is_implicit = records.copy(), records["implicit"]
         pressed = KeptState(self.pressed)
         records["lag"] = 0.0
-        for name in ("damping", "viscosity"):
+        for name in implicit_parameters(records):
             records[name][is_implicit] *= damping
-        leave_springs_out(records, 1.0 - damping)
         try:
             yield
         finally:
@@ -615,7 +616,7 @@ class CompiledScene:
     def _joined_forces(self) -> Array:
         """(n,) what items and joints did at the last evaluation."""
         total: Array = self.forces.copy()
-        self._subtract_joint_forces(total)
+        self.subtract_joint_forces(total)
         return total
 
     def accelerate(self, external: Array, q: Array, v: Array, *others: Any) -> None:

@@ -9,9 +9,9 @@ import numpy as np
 from ..arrays import Array
 from ..cable.cable import Cable
 from ..called_system import Bound, called, kernel_behind
-from ..compiled import Prepared, placed
+from ..compiled import Prepared
 from ..integrators.rattle import Rattle, shake_called
-from ..multibody.scene import bodies_energy, subtract_inertia_forces, subtract_joint_forces
+from ..multibody.scene import bodies_energy, subtract_inertia_forces
 from ..scene.coupled_system import leap
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .compiled_scene import CompiledScene
@@ -122,7 +122,7 @@ class CompiledParts:
     def joint_force(self, dofs: slice) -> Array:
         """J^T nu on one part, at the last evaluation.   dofs: its place."""
         total = np.zeros(len(self._items.force))
-        subtract_joint_forces(placed(self.form.system), total)
+        self.form.subtract_joint_forces(total)
         return -total[dofs]
 
     def kinetic_energy_of_bodies(self, q: Array, v: Array) -> float:
