@@ -7,7 +7,7 @@ buckles in half waves of pi sqrt(EI / P): if these have less than two elements, 
 import math
 import warnings
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -41,14 +41,6 @@ class AxialFindings(NamedTuple):
     of_compression: Finding = (0.0, "")
 
 
-class _Looks(NamedTuple):
-    """At a cable in T states: tensions (T, N) as means of the steps, and by strains [N], and turns [-]."""
-
-    means: Array
-    strained: Array
-    turns: Array
-
-
 def axial_findings(kept: KeptStates) -> AxialFindings:
     """Of a run that is over; its state is another one then."""
     if not (kept.run.watch.stretches and len(kept)):
@@ -58,8 +50,8 @@ def axial_findings(kept: KeptStates) -> AxialFindings:
 
 
 def _findings(kept: KeptStates, most: int, turn: float) -> AxialFindings:
-    """most: looks.   turn: along compressed elements that count [rad]."""
-    run, (times, steps, states) = kept.run, kept.all()
+    """most: looks.   turn: along compressed elements that count, a small one [rad]."""
+    run, (times, steps, states) = kept.run, kept.all
     number = min(most, max(2, MOST_SOLVES // len(run.cables)), len(states))
     places = np.linspace(0, len(states) - 1, number).astype(int)
     looks = [(float(times[k]), float(steps[k]), states[k]) for k in places]
@@ -72,8 +64,9 @@ def _findings(kept: KeptStates, most: int, turn: float) -> AxialFindings:
     for k, cable in enumerate(run.cable_runs):
         if cable.scene_cable.cable.stretches:
             mean, by_strains = (np.array([tensions[k] for tensions in of]) for of in (means, strained))
-            seen = _Looks(mean, by_strains, _turns(run, k, looks))
-            found.append((_waves(cable.scene_cable, seen), _compression(cable.scene_cable, seen, turn)))
+            cosines = cosines_of_turns(kept.nodes(k, states[places, 0])[:, :, 1])
+            compression = _compression(cable.scene_cable, mean, 2.0 - 2.0 * cosines > turn**2)
+            found.append((_waves(cable.scene_cable, mean, by_strains), compression))
     return AxialFindings(*map(max, zip(*found, strict=True)))
 
 
@@ -85,16 +78,12 @@ def _tensions(run: Run, look: tuple[float, float, Array], h: float) -> list[Arra
     return run.tensions(time, *state)
 
 
-def _turns(run: Run, place: int, looks: Sequence[Any]) -> Array:
-    """(T, N) along each element of a cable, small ones in rad."""
-    dofs, shape = run.places_of_cables[place]
-    slopes = np.array([(q[dofs] + run.reference[dofs]).reshape(shape)[:, 1] for _, _, (q, _) in looks])
-    return np.asarray(np.sqrt(np.maximum(2.0 - 2.0 * cosines_of_turns(slopes), 0.0)))
+def _waves(cable: CableInScene, means: Array, strained: Array) -> Finding:
+    """They are what the strain has beyond the mean forces of the steps, see `axial`.
 
-
-def _waves(cable: CableInScene, looks: _Looks) -> Finding:
-    """They are what the strain has beyond the mean forces of the steps, see `axial`."""
-    mean, beyond = map(_root_mean_square, (looks.means, looks.strained - looks.means))
+    means, strained: (T, N) tensions as means of the steps, and by strains [N].
+    """
+    mean, beyond = map(_root_mean_square, (means, strained - means))
     stiffness = cable.cable.section.axial_stiffness or 0.0
     share = beyond / mean if beyond > SMALL * stiffness and mean > 0.0 else 0.0
     return share, (
@@ -104,11 +93,14 @@ def _waves(cable: CableInScene, looks: _Looks) -> Finding:
     )
 
 
-def _compression(cable: CableInScene, looks: _Looks, turn: float) -> Finding:
-    """Of elements that are bent: what is straight stays so, however much it is compressed."""
-    compression = np.maximum(-looks.means, 0.0)
+def _compression(cable: CableInScene, means: Array, is_bent: np.ndarray) -> Finding:
+    """Of elements that are bent: what is straight stays so, however much it is compressed.
+
+    means: (T, N) tensions [N].   is_bent: (T, N).
+    """
+    compression = np.maximum(-means, 0.0)
     stiffness, lengths = cable.cable.section.bending_stiffness, cable.cable.element_lengths
-    shares = np.where(looks.turns > turn, compression, 0.0) * (2.0 * lengths / math.pi) ** 2 / stiffness
+    shares = np.where(is_bent, compression, 0.0) * (2.0 * lengths / math.pi) ** 2 / stiffness
     largest = float(compression.max())
     wanted = 0.5 * math.pi * math.sqrt(stiffness / max(largest, SMALLEST))
     return _root_mean_square(shares.max(axis=1)) / LARGEST_LOAD, (

@@ -1,5 +1,6 @@
 """Some states of a run, kept so that it can be judged after its end: a step costs nothing."""
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -52,7 +53,13 @@ class KeptStates:
         ]
         self._number = sum(map(np.count_nonzero, kept))
 
+    @cached_property
     def all(self) -> tuple[Array, Array, Array]:
-        """Times (k,) [s], steps before them (k,) [s], displacements and velocities (k, 2, n)."""
+        """Of a run that is over: times (k,), steps before them (k,) [s], places and velocities (k, 2, n)."""
         _, times, steps, states = map(np.concatenate, zip(*self._blocks, strict=True))
         return times, steps, states
+
+    def nodes(self, cable: int, displacements: Array) -> Array:
+        """(T, n, 2, dim) positions and slopes of one of the cables.   displacements: (T, n) of all."""
+        dofs, shape = self.run.places_of_cables[cable]
+        return (displacements[:, dofs] + self.run.reference[dofs]).reshape(-1, *shape)

@@ -40,8 +40,7 @@ from ..statics import (
     support_forces,
 )
 from ..statics.small_motions import small_motions
-from .bend_check import turn_at_rest
-from .fold_check import fold_of
+from .bend_check import fold_of, turn_at_rest
 from .mbs_state import at_start
 from .reports import StaticReport
 from .scene import assemble, initial_states, read_scene

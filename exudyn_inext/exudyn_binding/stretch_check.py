@@ -29,7 +29,7 @@ def left_out_stretch(kept: KeptStates) -> list[tuple[float, str]]:
     known = [k for k, one in enumerate(run.cable_runs) if one.scene_cable.item.leaves_stretch_out]
     if not (known and len(kept)):
         return []
-    times, _, states = kept.all()
+    times, _, states = kept.all
     changes = np.linalg.norm(np.diff(states[:, 1], axis=0), axis=1)
     number = max(2, min(LOOKS, MOST_SOLVES // len(run.cable_runs)))
     usual = np.linspace(0, len(times) - 1, min(number, len(times))).astype(int)
@@ -40,8 +40,7 @@ def left_out_stretch(kept: KeptStates) -> list[tuple[float, str]]:
         return []
     displacements, said = np.vstack([kept.start, states[:, 0]]), []
     for k in known:
-        dofs, shape = run.places_of_cables[k]
-        q = (displacements[:, dofs] + run.reference[dofs]).reshape(-1, *shape)[:, :, 0]
+        q = kept.nodes(k, displacements)[:, :, 0]
         largest = np.array([np.abs(found[look][k]).max() for look in looks])
         rms = math.sqrt(float(np.mean(largest[: len(usual)] ** 2)))
         cable, tension = run.cable_runs[k].scene_cable, (rms, float(largest.max()))
