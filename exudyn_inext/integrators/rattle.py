@@ -18,7 +18,7 @@ import numpy as np
 from ..arrays import Array
 from ..called_system import implements, takes_any_system
 from ..checks import require_integer, require_positive
-from ..compiled import inlined_kernel, protocol
+from ..compiled import inlined, inlined_kernel
 from ..system import accelerate_and_project, correct_position
 from .integrator import Integrator, advance, external_force, store
 
@@ -99,16 +99,12 @@ def _add_correction(h, correction, q, v_half):
         v_half[i] += correction[i] / h
 
 
-@protocol
+@inlined
 def shake(system, external, state, h, scheme):
     """The first half of a step of h [s]: q_(n+1) on the position constraints, and v_(n+1/2).
 
     external: at the end of the step; what moves the constraints.
     """
-
-
-@shake.register(object)
-def shake_any(system, external, state, h, scheme):
     q, v_half, correction = state.q, state.v_half, state.correction
     _drift(h, q, state.v, state.a, v_half)
     learning = 2.0 / (h * h)
@@ -123,9 +119,6 @@ def shake_any(system, external, state, h, scheme):
         if state.residual[0] == 0.0:
             state.residual[0] = violation
         q.fill(np.nan)
-
-
-shake_called = takes_any_system(correct_position)(shake_any)
 
 
 @implements(advance, Rattle, compiled=inlined_kernel)

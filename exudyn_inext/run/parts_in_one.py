@@ -8,15 +8,16 @@ import numpy as np
 
 from ..arrays import Array
 from ..cable.cable import Cable
-from ..called_system import Bound, called, kernel_behind
-from ..compiled import Prepared
-from ..integrators.rattle import Rattle, shake_called
+from ..called_system import Bound, called
+from ..compiled import Prepared, kernel, plain
+from ..integrators.rattle import Rattle, shake
 from ..multibody.scene import bodies_energy, subtract_inertia_forces
 from ..scene.coupled_system import leap
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .compiled_scene import CompiledScene
 
 _NOTHING = np.zeros(0)
+_shake = kernel(plain(shake))
 
 
 class CompiledParts:
@@ -63,7 +64,7 @@ class CompiledParts:
     @cached_property
     def _shake(self) -> Callable[..., None]:
         self.form.provide((correct_position,))
-        return partial(Prepared(kernel_behind(shake_called)), called(self.form.system, correct_position))
+        return partial(Prepared(_shake), called(self.form.system, correct_position))
 
     @property
     def drift(self) -> Array:
@@ -97,10 +98,6 @@ class CompiledParts:
     def correct(self, t: float, *arguments: Any) -> float:
         """See `correct_position`."""
         return float(self._correct(self.form.loads.at(t), *arguments))
-
-    def shake(self, t: float, *arguments: Any) -> None:
-        """See `integrators.rattle.shake`."""
-        self._shake(self.form.loads.at(t), *arguments)
 
     def _external(self, t: float, forces: Array) -> Array:
         """What the cables' own loads are; the forces are given to all parts."""

@@ -13,7 +13,6 @@ import numpy as np
 from ..arrays import Array
 from ..cable.linear_response import improve_damping, leave_to_joints
 from ..called_system import Bound
-from ..integrators.rattle import shake, shake_any
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .joints import JointSolve, JointTerms
 
@@ -188,15 +187,6 @@ def _accelerate(system, t, forces, q, v, duration, acceleration, end_velocity):
         q, acceleration, terms.gamma + system.drift_correction
     )
     solve.apply(end_velocity, -terms.drift)
-
-
-@shake.register(CoupledSystem)
-def shake_coupled(system, external, state, h, scheme):
-    """Arguments: see `shake`; external: (1,) time [s]."""
-    if system.in_one:
-        system.in_one.shake(float(external[0]), state, h, scheme)
-    else:
-        shake_any(system, external, state, h, scheme)
 
 
 @correct_position.register(CoupledSystem)
