@@ -404,33 +404,18 @@ class CableRun(PacedRun):
             self.watch.count_ramp(self.loads, time, self.state)
         return found
 
-    def begin_again(self, time: float) -> None:
-        """As `start`, with supports that have been looked at, and axial forces of earlier steps.
-
-        What has changed the energy is no error.
-        """
-        self._begin_from(time, self.loads.at(time))
-
     def move_on(self, time: float, end: float, has_changed: bool) -> None:
         """Begin again with supports that have been moved; arguments: see `CoupledRun.move_on`."""
-        external = self.loads.at(time)
-        if self.integrator.stabilised:
-            agree(self.called, external, self.state)
-            self._begin_from(time, external)
-            return
+        given = self.called, self.loads.at(time), self.state
         if not self._stretches:
             self.forget()
         self.watch.begin_work()
-        given = self.called, external, self.state, self.control.present
-        self._jumps.take_impulses(*given, self.watch.watch)
-        if self.loads.follows:
-            self.watch.count_ramp(self.loads, time, self.state)
-
-    def _begin_from(self, time: float, external: Array) -> None:
-        if not self._stretches:
-            self.forget()
-        self._start_from(external)
-        self.watch.begin_again(self.called, external, self.state)
+        if self.integrator.stabilised:
+            agree(*given)
+            self._start_scheme(*given)
+            self.watch.go_on(*given)
+        else:
+            self._jumps.take_impulses(*given, self.control.present, self.watch.watch)
         if self.loads.follows:
             self.watch.count_ramp(self.loads, time, self.state)
 
@@ -469,13 +454,11 @@ class CableRun(PacedRun):
 
     def start_scheme(self, time: float) -> None:
         """See `PacedRun.start_scheme`."""
-        self._start_from(self.loads.at(time))
-
-    def _start_from(self, external: Array) -> None:
+        given = self.called, self.loads.at(time), self.state
         if self._jumps.keep_means:
-            self._jumps.accelerate(self.called, external, self.state, self.control.present)
+            self._jumps.accelerate(*given, self.control.present)
         else:
-            self._start_scheme(self.called, external, self.state)
+            self._start_scheme(*given)
 
     def watch_on(self, time: float) -> None:
         """See `PacedRun.watch_on`."""

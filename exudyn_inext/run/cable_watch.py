@@ -86,11 +86,6 @@ class CableWatch(RunWatch):
         self._report(system, external, state)
         go_on(self.watch, state)
 
-    def begin_again(self, system: Any, external: Array, state: Any) -> None:
-        """Go on where forces may have jumped, from a state that the integrator has just started from."""
-        self.begin_work()
-        self.go_on(system, external, state)
-
     def begin_work(self) -> None:
         """Of forces that may have jumped: they are known from the first step on."""
         self.watch.work[:, FACTOR] = np.inf
