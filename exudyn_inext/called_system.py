@@ -144,17 +144,6 @@ def implements(
     return register
 
 
-def has_nothing(system_type: type, *protocols: Any) -> None:
-    """For systems of this type these protocols have nothing to do."""
-    for protocol in protocols:
-        protocol.register(system_type)(_do_nothing)
-
-
-@inlined
-def _do_nothing(*_arguments):
-    pass
-
-
 _ADDRESSES: dict[Any, int] = {}  # of protocols for structures of systems
 _TABLES: dict[int, tuple[Any, Structure]] = {}  # references to those of systems, by their identities
 _BEHIND: dict[int, Any] = {}  # systems, by the identities of their functions

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_inext import called_system
-from exudyn_inext.cable.linear_response import add_link_stiffness, constrained_inverse, respond
+from exudyn_inext.cable.linear_response import respond
 from exudyn_inext.errors import InputError
 from exudyn_inext.integrators import find_integrator
 from exudyn_inext.integrators.integrator import advance
@@ -16,8 +16,6 @@ PROTOCOLS = {
     index_reduced_rates: 5,
     accelerate_and_project: 6,
     correct_position: 5,
-    constrained_inverse: 2,
-    add_link_stiffness: 3,
     respond: 3,
     advance: 6,
 }

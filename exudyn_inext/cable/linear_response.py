@@ -2,33 +2,22 @@
 
 from typing import Any
 
-from ..called_system import by_address, call_protocol, calls, has_nothing, implements
+from ..called_system import by_address, call_protocol, calls, implements
 from ..compiled import inlined, protocol
 from ..lowered import COUNT, VECTOR
 from .assembly import add_lagging_damping
-from .chain import Chain
 from .index_reduction import ACCELERATION, CableSystem, solve_one
 from .linked_cable import LinkedCableSystem
 from .saddle_point import solve_for_force
 
 
 @protocol
-def constrained_inverse(system, force, x):
-    """x = constrained M^-1 force: M x + C_q^T lam = force, C_q x = 0.
-
-    Args:
-        system: factorised.
-        force: (n, 2, dim) [N, Nm].   x: (n, 2, dim) output.
-    """
-
-
-@protocol
 def respond(system, first, force, response):
-    """`constrained_inverse` of one of the cables that make up a chain: its response to a joint force.
+    """x = constrained M^-1 force: M x + C_q^T lam = force, C_q x = 0, of one of the cables of a chain.
 
     Args:
         system: of the chain, factorised.   first: coordinate of the cable in it.
-        force: (w,) on the w coordinates of the cable [N, Nm].   response: (w,) output.
+        force: (w,) on the w coordinates of the cable [N, Nm].   response: (w,) output, x.
     """
 
 
@@ -70,11 +59,6 @@ def leave_to_joints(system: Any) -> bool:
     return True
 
 
-@protocol
-def add_link_stiffness(system, multiplier, x, y):
-    """y += sum nu d2c/dq2 x over the links of a system.   multiplier: (m,) nu; x, y: (n, 2, dim)."""
-
-
 @inlined
 def _set_right_hand_side(axes, nodes, elements, share, force):
     """That share of `force` (n, 2, dim), and targets of zero."""
@@ -87,75 +71,49 @@ def _set_right_hand_side(axes, nodes, elements, share, force):
         elements[k].target[ACCELERATION] = 0.0
 
 
-@protocol
-def _hold_links(system):
-    """Targets of zero for the links of a system."""
-
-
-has_nothing(CableSystem, _hold_links)
-
-
-@implements(_hold_links, LinkedCableSystem)
-def _hold_all_links(system):
-    links = system.link_system.links
+@inlined
+def _hold_links(links):
+    """Targets of zero for all links."""
     for r in range(len(links)):
         links[r].target[ACCELERATION] = 0.0
 
 
-@implements(constrained_inverse, CableSystem)
-def constrained_inverse_of_cable(system, force, x):
-    solve_for_force(system.chain.axes, system.chain.nodes, system.chain.elements, force, x)
-
-
-@implements(constrained_inverse, LinkedCableSystem)
-def constrained_inverse_of_linked_cable(system, force, x):
-    _set_right_hand_side(system.chain.axes, system.chain.nodes, system.chain.elements, 1.0, force)
-    _hold_links(system)
-    solve_one(system, ACCELERATION, x)
-
-
-@implements(improve_damping, CableSystem, LinkedCableSystem)
-def improve_damping_of_cable(system, q, x):
-    axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
+@inlined
+def _aim_at_lagging_damping(chain, q, x):
+    """Right-hand side of what accelerations x (n,) lack at q (n,)."""
+    axes, nodes, elements = chain.axes, chain.nodes, chain.elements
     shape = (len(nodes), 2, len(axes))
     _set_right_hand_side(axes, nodes, elements, 0.0, x.reshape(shape))
     add_lagging_damping(axes, nodes, elements, q.reshape(shape), x.reshape(shape), ACCELERATION)
-    _hold_links(system)
-    solve_one(system, ACCELERATION, x.reshape(shape))
+
+
+@implements(improve_damping, CableSystem)
+def improve_damping_of_cable(system, q, x):
+    _aim_at_lagging_damping(system.chain, q, x)
+    solve_one(system, ACCELERATION, x.reshape((len(system.chain.nodes), 2, len(system.chain.axes))))
+
+
+@implements(improve_damping, LinkedCableSystem)
+def improve_damping_of_linked_cable(system, q, x):
+    _aim_at_lagging_damping(system.chain, q, x)
+    _hold_links(system.link_system.links)
+    solve_one(system, ACCELERATION, x.reshape((len(system.chain.nodes), 2, len(system.chain.axes))))
 
 
 @implements(respond, CableSystem)
 def respond_in_chain(system, first, force, response):
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
     left, number = first // (2 * len(axes)), len(force) // (2 * len(axes))
-    alone = Chain(axes, nodes[left : left + number], elements[left : left + number - 1])
+    alone = axes, nodes[left : left + number], elements[left : left + number - 1]
     shape = (number, 2, len(axes))
-    constrained_inverse(CableSystem(alone, system.zeta), force.reshape(shape), response.reshape(shape))
+    solve_for_force(*alone, force.reshape(shape), response.reshape(shape))
 
 
 @implements(respond, LinkedCableSystem)
 def respond_of_linked_cable(system, first, force, response):
     """Arguments: see `respond`; such a cable is a chain of its own."""
-    shape = (len(system.chain.nodes), 2, len(system.chain.axes))
-    constrained_inverse(system, force.reshape(shape), response.reshape(shape))
-
-
-has_nothing(CableSystem, add_link_stiffness)
-
-
-@implements(add_link_stiffness, LinkedCableSystem)
-def add_rod_stiffness(system, multiplier, x, y):
-    """d2c/dq2 = w w^T / L. Arguments: see `add_link_stiffness`."""
-    links = system.link_system.links
-    for r in range(len(links)):
-        link = links[r]
-        for i in range(x.shape[2]):
-            u = 0.0
-            for t in range(2):
-                k = link.node[t]
-                u += link.weight[t, 0] * x[k, 0, i] + link.weight[t, 1] * x[k, 1, i]
-            u *= multiplier[r] * link.inverse_length
-            for t in range(2):
-                k = link.node[t]
-                y[k, 0, i] += link.weight[t, 0] * u
-                y[k, 1, i] += link.weight[t, 1] * u
+    axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
+    shape = (len(nodes), 2, len(axes))
+    _set_right_hand_side(axes, nodes, elements, 1.0, force.reshape(shape))
+    _hold_links(system.link_system.links)
+    solve_one(system, ACCELERATION, response.reshape(shape))

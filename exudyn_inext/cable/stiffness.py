@@ -6,7 +6,6 @@ from ..element.inextensibility import length_gradient
 from ..lowered import VECTOR, local_array
 from .assembly import add_elastic_force, add_element_force, differences
 from .index_reduction import CableSystem
-from .linear_response import add_link_stiffness
 from .linked_cable import LinkedCableSystem
 
 
@@ -76,10 +75,33 @@ def _add_geometric_stiffness(chain, nodal, length, x, y):
         add_element_force(chain.axes, gradient, y[k], y[k + 1])
 
 
-@implements(apply_stiffness, CableSystem, LinkedCableSystem)
-def apply_stiffness_of_cable(system, nodal, length, links, q, x, memory, y):
+@inlined
+def add_link_stiffness(links, multiplier, x, y):
+    """y += sum nu d2c/dq2 x over the links, d2c/dq2 = w w^T / L.   multiplier: (m,) nu; x, y: (n, 2, dim)."""
+    for r in range(len(links)):
+        link = links[r]
+        for i in range(x.shape[2]):
+            u = 0.0
+            for t in range(2):
+                k = link.node[t]
+                u += link.weight[t, 0] * x[k, 0, i] + link.weight[t, 1] * x[k, 1, i]
+            u *= multiplier[r] * link.inverse_length
+            for t in range(2):
+                k = link.node[t]
+                y[k, 0, i] += link.weight[t, 0] * u
+                y[k, 1, i] += link.weight[t, 1] * u
+
+
+@implements(apply_stiffness, CableSystem)
+def apply_stiffness_of_chain(system, nodal, length, links, q, x, memory, y):
     shape = len(nodal), 2, len(system.chain.axes)
     _set_elastic_part(system.chain, shape, q, x, memory, y)
-    one, image = x.reshape(shape), y.reshape(shape)
-    _add_geometric_stiffness(system.chain, nodal, length, one, image)
-    add_link_stiffness(system, links, one, image)
+    _add_geometric_stiffness(system.chain, nodal, length, x.reshape(shape), y.reshape(shape))
+
+
+@implements(apply_stiffness, LinkedCableSystem)
+def apply_stiffness_of_linked_cable(system, nodal, length, links, q, x, memory, y):
+    shape = len(nodal), 2, len(system.chain.axes)
+    _set_elastic_part(system.chain, shape, q, x, memory, y)
+    _add_geometric_stiffness(system.chain, nodal, length, x.reshape(shape), y.reshape(shape))
+    add_link_stiffness(system.link_system.links, links, x.reshape(shape), y.reshape(shape))

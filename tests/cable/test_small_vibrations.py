@@ -8,9 +8,10 @@ from scipy.linalg import eigvalsh_tridiagonal
 
 from exudyn_inext.cable.chain import build_chain
 from exudyn_inext.cable.frequency import FrequencyTracker, largest_frequency, largest_of_tridiagonal
-from exudyn_inext.cable.linear_response import add_link_stiffness, respond
+from exudyn_inext.cable.linear_response import respond
 from exudyn_inext.cable.linked_cable import cable_system
 from exudyn_inext.cable.saddle_point import apply_mass
+from exudyn_inext.cable.stiffness import add_link_stiffness
 from exudyn_inext.called_system import called
 from exudyn_inext.system import index_reduced_rates
 from tests.cables import (
@@ -161,7 +162,7 @@ def test_responses_of_a_cable_that_stretches_to_forces_on_single_nodes_add_up(di
 
 @both_dimensions
 @pytest.mark.parametrize("links", [None, "closed", "rod", "moving hanger, rod and node"])
-def test_constrained_inverse_and_mass_are_those_of_the_dense_system(dim, links):
+def test_responses_and_mass_are_those_of_the_dense_system(dim, links):
     state = (
         linked_state(43, 5, dim, MEASURES[0], links) if links else random_state(44, 5, dim, MEASURES[0], 3)
     )
@@ -189,7 +190,7 @@ def test_stiffness_of_links_is_the_derivative_of_their_jacobian(dim, links):
     rng, number = np.random.default_rng(46), len(state.cable.links)
     multiplier, x = rng.standard_normal(number), rng.standard_normal(state.q.shape)
     y = np.ones(state.q.shape)
-    add_link_stiffness(system, multiplier, x, y)
+    add_link_stiffness(system.link_system.links, multiplier, x, y)
 
     def jacobian(q):
         return dense_constraints(state.cable, q, state.v, state.time).jacobian[-number:]
