@@ -17,6 +17,11 @@ class PointMass:
     mass: float
     has_weight: bool = True
 
+    @property
+    def heavy(self) -> float:
+        """What gravity acts on [kg]."""
+        return self.mass * self.has_weight
+
 
 @dataclass(frozen=True)
 class Drag:
@@ -36,19 +41,6 @@ class Drag:
         return np.array([[self.normal, self.tangential, 0.0], flow])
 
 
-@dataclass(frozen=True)
-class PlacedMass:
-    """A point mass.
-
-    element: its number.   xi: its place within, 0 to 1 [-].   mass: [kg].   heavy: that gravity acts on [kg].
-    """
-
-    element: int
-    xi: float
-    mass: float
-    heavy: float
-
-
 def place_on_elements(point: float, lengths: Array) -> tuple[int, float]:
     """Element and abscissa xi [-] of an arc length [m] on elements of these lengths (N,) [m]."""
     ends = np.cumsum(lengths)
@@ -57,17 +49,11 @@ def place_on_elements(point: float, lengths: Array) -> tuple[int, float]:
     return element, min(max(float(xi), 0.0), 1.0)
 
 
-def placed(masses: Sequence[PointMass], lengths: Array) -> list[PlacedMass]:
-    """The point masses on elements of these lengths (N,) [m]."""
-    return [
-        PlacedMass(*place_on_elements(m.arc_length, lengths), m.mass, m.mass * m.has_weight) for m in masses
-    ]
-
-
 def mass_of_points(masses: Sequence[PointMass], lengths: Array) -> Array:
     """(N, 4, 4) scalar element matrices sum m S S^T of point masses [kg, kg m; kg m, kg m^2]."""
     result = np.zeros((len(lengths), 4, 4))
-    for point in placed(masses, lengths):
-        shape = shape_functions(point.xi, float(lengths[point.element]))
-        result[point.element] += point.mass * np.outer(shape, shape)
+    for point in masses:
+        element, xi = place_on_elements(point.arc_length, lengths)
+        shape = shape_functions(xi, float(lengths[element]))
+        result[element] += point.mass * np.outer(shape, shape)
     return result

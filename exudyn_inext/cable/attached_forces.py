@@ -11,7 +11,7 @@ from ..arrays import Array
 from ..compiled import plain
 from ..element.drag import drag_density
 from ..element.shape_functions import first_derivatives, quadrature, shape_functions
-from .attached import placed
+from .attached import place_on_elements
 from .cable import Cable
 
 POINTS, WEIGHTS = quadrature(1.0)
@@ -28,13 +28,14 @@ def attached_variation(cable: Cable, state: Any, gravity: Array, k: np.ndarray, 
         (m, dim) [N].
     """
     variation = np.zeros((len(k), cable.dimension))
-    for point in placed(cable.point_masses, cable.element_lengths):
-        shape = shape_functions(point.xi, float(cable.element_lengths[point.element]))
-        acceleration = shape @ _of_element(state.a, point.element)
-        jump: Array = point.mass * acceleration - point.heavy * gravity[point.element]
-        mean = 1.0 - point.xi**2 * (3.0 - 2.0 * point.xi)
-        here = k == point.element
-        variation[here] += np.multiply.outer((xi[here] > point.xi) - mean, jump)
+    for point in cable.point_masses:
+        element, place = place_on_elements(point.arc_length, cable.element_lengths)
+        shape = shape_functions(place, float(cable.element_lengths[element]))
+        acceleration = shape @ _of_element(state.a, element)
+        jump: Array = point.mass * acceleration - point.heavy * gravity[element]
+        mean = 1.0 - place**2 * (3.0 - 2.0 * place)
+        here = k == element
+        variation[here] += np.multiply.outer((xi[here] > place) - mean, jump)
     if cable.drag is not None:
         weights = WEIGHTS * 6.0 * POINTS * (1.0 - POINTS)
         for row, (element, x) in enumerate(zip(k.tolist(), xi, strict=True)):

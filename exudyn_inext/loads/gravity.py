@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..arrays import Array
-from ..cable.attached import placed
+from ..cable.attached import place_on_elements
 from ..cable.cable import Cable
 from ..element.external_force import point_force, uniform_force
 from ..element.forms import forms_of_mesh
@@ -25,7 +25,8 @@ def gravity_force(cable: Cable, gravity: Array) -> Array:
     force = np.zeros(cable.reference.shape)
     force[:-1] += elements[:, :2]
     force[1:] += elements[:, 2:]
-    for point in placed(cable.point_masses, cable.element_lengths):
-        k, length = point.element, float(cable.element_lengths[point.element])
-        force[k : k + 2] += point_force(point.heavy * gravity[k], point.xi, length).reshape(2, 2, -1)
+    for point in cable.point_masses:
+        k, xi = place_on_elements(point.arc_length, cable.element_lengths)
+        own = point_force(point.heavy * gravity[k], xi, float(cable.element_lengths[k]))
+        force[k : k + 2] += own.reshape(2, 2, -1)
     return force

@@ -5,7 +5,7 @@ from dataclasses import FrozenInstanceError, replace
 import numpy as np
 import pytest
 
-from exudyn_inext.cable.attached import Drag, PointMass, place_on_elements, placed
+from exudyn_inext.cable.attached import Drag, PointMass, place_on_elements
 from exudyn_inext.cable.chain import build_chain
 from exudyn_inext.cable.link import Link, rest
 from exudyn_inext.checks import require_positive
@@ -53,8 +53,6 @@ def test_groups_of_elements_are_as_equal_as_possible():
 def test_points_are_found_on_their_elements_and_pulled_onto_the_cable(point, expected):
     lengths = np.array([1.0, 2.0, 4.0])
     assert place_on_elements(point, lengths) == pytest.approx(expected)
-    (mass,) = placed([PointMass(point, 0.3)], lengths)
-    assert (mass.element, mass.xi, mass.mass) == pytest.approx((*expected, 0.3))
 
 
 def test_a_chain_knows_the_shape_of_its_coordinates():
