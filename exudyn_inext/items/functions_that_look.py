@@ -22,12 +22,14 @@ import numpy as np
 from ..run.fingerprint import all_codes
 from .functions_of_time import (
     functions_at_rest,
+    has_sensor_functions,
     is_of_time_alone,
     known_to,
     looked_at,
     package_of,
     python_function,
     step_functions,
+    word_of,
 )
 
 _TRUSTED = {"builtins", "numpy", "math", "exudyn"}
@@ -294,3 +296,27 @@ def _is_plain(value: Any) -> bool:
 def _is_bound(value: Any) -> bool:
     owner = getattr(value, "__self__", None)
     return owner is not None and not isinstance(owner, ModuleType)
+
+
+class FunctionsOfSteps:
+    """Those of an mbs whose functions and what they read do not change meanwhile.
+
+    Their code shows that they look at nothing of the state, nor store anything, and no other function that is
+    called within steps stores anything.
+    """
+
+    def __init__(self, mbs: Any) -> None:
+        self._mbs = mbs
+
+    def __contains__(self, user_function: Any) -> bool:
+        """Whether a user function, as Exudyn gives it, is one of them."""
+        function = python_function(user_function)
+        if word_of(self._mbs, function) is False or look_of(function, self._mbs) > Look.NOTHING:
+            return False
+        return self._none_changes_anything
+
+    @cached_property
+    def _none_changes_anything(self) -> bool:
+        if has_sensor_functions(self._mbs):
+            return False
+        return not any(may_change_anything(one, self._mbs) for one in asked_item_functions(self._mbs))

@@ -15,8 +15,8 @@ from .circle_contacts import add_contacts, check_friction
 from .connectors import Connectors, add_connectors
 from .dashpots import rows_of_dashpots
 from .implicit_contacts import add_contact, complete_contacts, mark_implicit, press, reconsider_contacts
+from .points import move_rare_points, place_rare_points
 from .ramps import ramps_of
-from .rare_points import move_rare_points, place_rare_points
 from .rows import ROW
 from .scene import Items, SceneSystem
 from .sliding import Sliders, span_chains

@@ -1,9 +1,14 @@
-"""Points of bodies, of cables and of the ground: where they are, how they move, and their Jacobians."""
+"""Points of bodies, of cables and of the ground: where they are, how they move, and their Jacobians.
+
+Those that most scenes do not have, on trees or sliding along cables, are called by address.
+"""
 
 import numpy as np
 
 from ..arrays import record_type
-from ..compiled import inlined
+from ..called_system import of_parts
+from ..compiled import inlined, protocol
+from ..lowered import VECTOR
 
 FIXED, ON_BODY, ON_CABLE, FRAME_OF_CABLE, COORDINATE, ANGLE, ON_LINK = range(7)
 MOST = 12  # coordinates of a point: those of two nodes in space
@@ -241,3 +246,17 @@ def add_torque(point, torque, force):
     """Add the generalised force of a torque (3,) alone.   force: (n,)."""
     for k in range(point.width):
         force[point.first + k] += dot(point.about[:, k], torque)
+
+
+@protocol
+def place_rare_points(system, q):
+    """Places, frames and Jacobians at q (n,), and what the points are on; all other points are placed."""
+
+
+@protocol
+def move_rare_points(system, q, v):
+    """Velocities at (q, v), (n,) each, accelerations with those of the coordinates zero; all others move."""
+
+
+of_parts(place_rare_points, VECTOR)
+of_parts(move_rare_points, VECTOR, VECTOR)

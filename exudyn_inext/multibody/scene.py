@@ -75,9 +75,8 @@ from .joints import (
 )
 from .linear_forces import add_linear_forces
 from .loads import add_loads
-from .points import move_points, place_points
+from .points import move_points, move_rare_points, place_points, place_rare_points
 from .ramps import Ramps, follow_ramps
-from .rare_points import move_rare_points, place_rare_points
 from .rows import move_rows
 
 NOT_COUNTED, EACH, ALL_BUT_FIRST = range(3)  # evaluations whose work is counted

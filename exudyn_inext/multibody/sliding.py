@@ -21,8 +21,7 @@ import numpy as np
 from ..arrays import Array, record_type
 from ..called_system import implements
 from ..compiled import inlined
-from .points import cross, dot
-from .rare_points import move_rare_points, place_rare_points
+from .points import cross, dot, move_rare_points, place_rare_points
 
 CLOSE = 1e-13  # of the place to the foot, relative to the length of an element
 MOST_STEPS = 30  # of Newton's method, besides those from element to element

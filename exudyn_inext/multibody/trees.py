@@ -16,8 +16,7 @@ from ..arrays import record_type
 from ..called_system import implements
 from ..compiled import inlined
 from .bodies import MOST
-from .points import ON_LINK, cross, swing
-from .rare_points import move_rare_points, place_rare_points
+from .points import ON_LINK, cross, move_rare_points, place_rare_points, swing
 
 LINK = record_type(
     [

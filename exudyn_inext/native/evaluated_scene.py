@@ -16,7 +16,7 @@ from ..items.functions_of_time import is_of_time_alone, step_functions
 from ..items.functions_that_look import asked_item_functions
 from ..items.parameters import Parameter
 from ..run.cable_loads import CableLoads
-from ..run.joined_scene import EvaluatedScene
+from ..run.coupled_watch import EvaluatedScene
 from ..run.parts_in_one import CompiledParts
 from ..scene.bodies import BodiesSystem, MassBlock
 from ..scene.coupled_system import CoupledSystem, Part

@@ -13,7 +13,7 @@ from ..cable.cable import Cable
 from ..compiled import plain
 from ..integrators.integrator import Integrator
 from .cable_run import CableRun
-from .joined_scene import EvaluatedScene
+from .coupled_watch import EvaluatedScene
 from .step_control import ROUND_OFF
 
 FULFILLED = 1e-9  # violation of a joint [m, -] that needs no motion to be removed

@@ -14,8 +14,8 @@ from exudyn.itemInterface import (
     SensorUserFunction,
 )
 
-from exudyn_inext.items.functions_of_steps import FunctionsOfSteps
 from exudyn_inext.items.functions_of_time import take_word
+from exudyn_inext.items.functions_that_look import FunctionsOfSteps
 
 POSITION = exudyn.OutputVariableType.Position
 CONTROLLER = SimpleNamespace(place=0.5, log=[])

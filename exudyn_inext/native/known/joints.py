@@ -10,7 +10,7 @@ import numpy as np
 from ...arrays import Array, collected, copies_of
 from ...items.attach.clamp_to_body import Clamp
 from ...items.attach.shared_node import SameSlope
-from ...items.functions_of_steps import FunctionsOfSteps
+from ...items.functions_that_look import FunctionsOfSteps
 from ...multibody.build import FunctionOfTime
 from ...multibody.rows import ACROSS, ALONG, DIFFERENCE, DISTANCE, PARALLEL, ROLLING, ROW
 from ...multibody.sliding import SLIDER, Sliders

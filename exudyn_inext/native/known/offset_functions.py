@@ -9,8 +9,8 @@ from exudyn.rigidBodyUtilities import RotXYZ2RotationMatrix
 
 from ...arrays import Array
 from ...constraints.motion import many_differences, motion_of
-from ...items.functions_of_steps import FunctionsOfSteps
 from ...items.functions_of_time import drive_of, is_of_time_alone, python_function
+from ...items.functions_that_look import FunctionsOfSteps
 from ...multibody.build import FunctionOfTime
 from ...run.moved_offsets import Sampled
 from ...run.settings import SAY_OF_TIME
