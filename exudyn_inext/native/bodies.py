@@ -3,7 +3,7 @@
 from collections.abc import Collection, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import exudyn
 import numpy as np
@@ -60,15 +60,14 @@ class Body:
         return np.asarray(mbs.ComputeItem(ObjectIndex(self.number), _MASS))
 
 
-@dataclass(frozen=True, eq=False)
-class Quaternion:
-    """Euler parameters of a node.
+class Quaternions(NamedTuple):
+    """Euler parameters of Q nodes.
 
-    coordinates: (4,) places.   reference: (4,) what Exudyn's coordinates are displacements from.
+    coordinates: (Q, 4) places.   references: (Q, 4) what Exudyn's coordinates are displacements from.
     """
 
     coordinates: np.ndarray
-    reference: Array
+    references: Array
 
 
 class SystemMass:
@@ -154,9 +153,9 @@ def _has_constant_mass(data: dict[str, Any]) -> bool:
     return data["objectType"] in _CONSTANT_MASS
 
 
-def read_quaternions(mbs: Any) -> list[Quaternion]:
+def read_quaternions(mbs: Any) -> Quaternions:
     """Euler parameters of all nodes; SceneError for nodes whose coordinates do not add up."""
-    found = []
+    coordinates, references = [], []
     for number in range(mbs.systemData.NumberOfNodes()):
         data = mbs.GetNode(number)
         if data["nodeType"] in _NOT_ADDITIVE:
@@ -166,10 +165,9 @@ def read_quaternions(mbs: Any) -> list[Quaternion]:
                 "RotationEulerParameters or RotationRxyz, or put beams on NodeRigidBodyRxyz."
             )
         if data["nodeType"] == "RigidBodyEP":
-            coordinates = np.array(mbs.systemData.GetNodeLTGODE2(number)[3:7])
-            reference = np.array(data["referenceCoordinates"][3:7], dtype=float)
-            found.append(Quaternion(coordinates, reference))
-    return found
+            coordinates.append(mbs.systemData.GetNodeLTGODE2(number)[3:7])
+            references.append(data["referenceCoordinates"][3:7])
+    return Quaternions(np.array(coordinates, int).reshape(-1, 4), np.array(references, float).reshape(-1, 4))
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,7 +222,7 @@ class BodyMasses:
         self,
         mbs: Any,
         bodies: Sequence[Body],
-        quaternions: Sequence[Quaternion],
+        quaternions: Quaternions,
         zeta: float,
         total: SystemMass,
         holdable: Collection[int] = (),
@@ -247,7 +245,7 @@ class BodyMasses:
             self.held_mass[:] = initial[np.ix_(self.held, self.held)].toarray()
             self.coupling[:] = initial[np.ix_(self.held, self.coordinates)].toarray()
         self._needs_total = not all(body.tells_mass for group in variable for body in group)
-        starts = {int(self._local(quaternion.coordinates)[0]) for quaternion in quaternions}
+        starts = set(self._local(quaternions.coordinates[:, 0]).tolist())
         by_kind: dict[tuple[int, bool], list[tuple[list[Body], np.ndarray]]] = {}
         for group in variable:
             dofs = self._dofs_of(group)
@@ -315,18 +313,16 @@ class BodyMasses:
     def _dofs_of(self, group: Sequence[Body]) -> np.ndarray:
         return self._local(self._free(group))
 
-    def _stack(
-        self, groups: Sequence[tuple[Sequence[Body], np.ndarray]], quaternions: Sequence[Quaternion]
-    ) -> _Stack:
+    def _stack(self, groups: Sequence[tuple[Sequence[Body], np.ndarray]], quaternions: Quaternions) -> _Stack:
         """Of groups with equally many coordinates, and their places; all have quaternions, or none has."""
         dofs = np.stack([own for _, own in groups])
         bodies = [[(body, self._places(own, body.coordinates)) for body in group] for group, own in groups]
         first, reference = np.full(len(groups), -1), np.zeros((len(groups), 4))
-        for quaternion in quaternions:
-            own = self._local(quaternion.coordinates)
-            for group in np.flatnonzero((dofs == own[0]).any(axis=1)).tolist():
-                first[group] = np.searchsorted(dofs[group], own[0])
-                reference[group] = quaternion.reference
+        starts = self._local(quaternions.coordinates[:, 0])
+        for own, of_node in zip(starts, quaternions.references, strict=True):
+            for group in np.flatnonzero((dofs == own).any(axis=1)).tolist():
+                first[group] = np.searchsorted(dofs[group], own)
+                reference[group] = of_node
         return _Stack(VariableBlocks(dofs, first, reference), bodies)
 
     def _places(self, dofs: np.ndarray, coordinates: np.ndarray) -> Any:

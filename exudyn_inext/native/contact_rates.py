@@ -198,7 +198,7 @@ def _motion(
     of_circle = np.einsum("sik,sai->sak", circle.rates[:, :2].T + turning, axes)
     count = 2 * contact.segments
     block = np.hstack([of_cable.reshape(count, -1), -share * of_circle.reshape(count, -1)])
-    places = np.array([coordinates.place(int(c)) for c in (*contact.element, *circle.columns)])
+    places = coordinates.all_places([*contact.element, *circle.columns])
     return block[:, places >= 0], places[places >= 0]  # others are held
 
 

@@ -1,24 +1,12 @@
 """Where the coordinates of an mbs lie in the parts of a coupled system."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import accumulate, pairwise
+from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
-
-
-@dataclass(frozen=True, eq=False)
-class PartCoordinates:
-    """One part.
-
-    indices: (n,) places in the system vector of second order coordinates.
-    reference: (n,) what separates the part's coordinates from Exudyn's displacements.
-    """
-
-    indices: np.ndarray
-    reference: Array
 
 
 class CoordinateMap:
@@ -31,12 +19,17 @@ class CoordinateMap:
     of_forces: (n,) as the indices, with -1 for coordinates that stand there already.
     """
 
-    def __init__(self, size: int, parts: Sequence[PartCoordinates]) -> None:
-        sizes = [len(part.indices) for part in parts]
+    def __init__(self, size: int, parts: Sequence[tuple[np.ndarray, Array]]) -> None:
+        """size: number of second order coordinates of the mbs.
+
+        parts: of each one (n,) places in the system vector, and what separates its coordinates from Exudyn's
+            displacements.
+        """
+        sizes = [len(indices) for indices, _ in parts]
         ends = [0, *accumulate(sizes)]
         self.size = size
-        self.indices = np.concatenate([part.indices for part in parts]).astype(int)
-        self.reference = np.concatenate([part.reference for part in parts])
+        self.indices = np.concatenate([indices for indices, _ in parts]).astype(int)
+        self.reference = np.concatenate([reference for _, reference in parts])
         self.slices = [slice(a, b) for a, b in pairwise(ends)]
         first = np.full(size, -1)
         first[self.indices[::-1]] = np.arange(len(self.indices))[::-1]
@@ -79,6 +72,10 @@ class CoordinateMap:
     def place(self, coordinate: int) -> int:
         """Of a system coordinate in the vectors of all parts; -1 if it lies in none."""
         return int(self._first[coordinate])
+
+    def all_places(self, coordinates: Any) -> np.ndarray:
+        """As `place`, of an array or a list."""
+        return self._first[np.asarray(coordinates, dtype=int)]
 
     def missing(self) -> np.ndarray:
         """System coordinates that lie in no part."""

@@ -35,7 +35,7 @@ from ..system import (
 )
 from .bodies import BodyMasses, SystemMass, read_bodies, read_quaternions, require_mass
 from .contact_rates import open_contacts
-from .coordinates import CoordinateMap, PartCoordinates
+from .coordinates import CoordinateMap
 from .friction_check import FrictionCheck
 from .held import HeldCoordinates, holders
 from .joint_items import read_joints
@@ -123,8 +123,8 @@ class SceneOfExudyn(EvaluatedScene):
         by_place = holders(mbs, held)
         self._masses = masses = BodyMasses(mbs, bodies, quaternions, zeta, total, by_place)
         self.held = HeldCoordinates(mbs, masses, [by_place[place] for place in masses.held.tolist()], held)
-        places = [PartCoordinates(one.indices, one.cable.reference.ravel()) for one, _, _ in cables]
-        places.append(PartCoordinates(masses.coordinates, np.zeros(len(masses.coordinates))))
+        places = [(one.indices, one.cable.reference.ravel()) for one, _, _ in cables]
+        places.append((masses.coordinates, np.zeros(len(masses.coordinates))))
         self.map = CoordinateMap(mbs.systemData.ODE2Size(), places)
         require_mass(mbs, np.setdiff1d(self.map.missing(), masses.held))
         self.groups: Sequence[Systems] = in_few_chains([cable.system for cable in cables])

@@ -12,7 +12,7 @@ from ..constraints.motion import AHEAD, differences_and_side
 from ..constraints.motion import STEP as STEP_OF_TIME
 from ..scene.coupled_system import Part
 from ..scene.joints import JointBlock, JointTerms
-from .bodies import Quaternion
+from .bodies import Quaternions
 from .coordinates import CoordinateMap
 from .joint_item import JointItem
 from .sliding_joints import SlidingJoint
@@ -38,7 +38,7 @@ class JointRows:
     def __init__(
         self,
         joints: Sequence[JointItem],
-        quaternions: Sequence[Quaternion],
+        quaternions: Quaternions,
         parts: Sequence[Part],
         coordinates: CoordinateMap,
         held: np.ndarray,
@@ -63,7 +63,7 @@ class JointRows:
         of_parts = _blocks(parts, rows, places)
         self.blocks = list(of_parts.values())
         self._of_rates = [
-            (own, joint, np.array([coordinates.place(c) for c in joint.coordinates.tolist()]))
+            (own, joint, coordinates.all_places(joint.coordinates))
             for own, joint in zip(rows, joints, strict=True)
             if joint.is_angular or joint.is_rolling
         ]
@@ -79,9 +79,8 @@ class JointRows:
         self._held = [
             (own, *_common(joint.coordinates, held)) for own, joint in zip(rows, joints, strict=True)
         ]
-        of_nodes = [[coordinates.place(c) for c in q.coordinates] for q in quaternions]
-        self.quaternions = np.array(of_nodes, dtype=int).reshape(-1, 4)
-        self.references = np.array([q.reference for q in quaternions], dtype=float).reshape(-1, 4)
+        self.quaternions = coordinates.all_places(quaternions.coordinates)
+        self.references = quaternions.references
 
     def values(self, mbs: Any, equations: Array) -> Array:
         """(m,) in the current configuration of mbs, from the values of all algebraic equations there."""

@@ -57,9 +57,8 @@ class StaticScene:
         self._sliding = [joint for joint in scene.joints if isinstance(joint, SlidingJoint)]
         self._varying = self.varying = _varying(scene)
         quaternions = read_quaternions(mbs)
-        places = [[scene.map.place(c) for c in one.coordinates] for one in quaternions]
-        self.quaternions = np.array(places, dtype=int).reshape(-1, 4)
-        self.references = np.array([one.reference for one in quaternions]).reshape(-1, 4)
+        self.quaternions = scene.map.all_places(quaternions.coordinates)
+        self.references = quaternions.references
         self.turning = _turning(scene, bodies.start)
         self._circles = CirclesInTheWay(mbs)
 
@@ -171,7 +170,7 @@ def _in_general_contact(scene: SceneOfExudyn) -> list[np.ndarray]:
 
 def _places(scene: SceneOfExudyn, coordinates: Iterable[int]) -> np.ndarray:
     """Of coordinates of mbs in the scene, but of those that are held."""
-    places = np.array([scene.map.place(c) for c in coordinates], dtype=int)
+    places = scene.map.all_places(list(coordinates))
     return places[places >= 0]
 
 

@@ -122,7 +122,7 @@ def _read_body(mbs: Any, body: Body, data: dict[str, Any], coordinates: Coordina
     if node["nodeType"] not in _COORDINATES:
         raise UnknownItemError(f"{name} on a node {node['nodeType']}")
     kind = _COORDINATES[node["nodeType"]]
-    places = [coordinates.place(c) for c in body.coordinates.tolist()]
+    places = coordinates.all_places(body.coordinates).tolist()
     record, fields = _new_record(name, places, kind, np.asarray(node["referenceCoordinates"], dtype=float))
     place_body(fields, q)
     if not (body.has_constant_mass or body.tells_mass):
@@ -168,7 +168,7 @@ def _bodies_of_matrix(
     is_told = data["objectType"] == _TREE or (may_change and body.tells_mass)
     if not (body.has_constant_mass or is_told):
         raise UnknownItemError(f"{name}, whose mass changes")
-    places = np.array([coordinates.place(c) for c in body.coordinates.tolist()])
+    places = coordinates.all_places(body.coordinates)
     reference = np.concatenate([node["referenceCoordinates"] for node in nodes])
     first = _first_of_each(_coupled(body, nodes))
     for own in (np.flatnonzero(first == label) for label in np.unique(first)):

@@ -17,8 +17,7 @@ def read_linear_forces(mbs: Any, number: int, coordinates: CoordinateMap) -> Any
     """(E,) records of the forces of an object; UnknownItemError if a user function takes part."""
     data = mbs.GetObject(number)
     require_no_functions(data, described(data, number))
-    system = mbs.systemData.GetObjectLTGODE2(number)
-    places = np.array([coordinates.place(c) for c in system], dtype=int)
+    places = coordinates.all_places(mbs.systemData.GetObjectLTGODE2(number))
     if (places < 0).any():
         raise UnknownItemError(f"{described(data, number)}, whose coordinates are held")
     size = len(places)

@@ -343,7 +343,7 @@ class PointReader:
         if not len(system) or not len(which):
             return self.fixed(np.zeros(3), has_frame=False)
         own = slice(which[0], which[-1] + 1)
-        places = [self._coordinates.place(c) for c in system[own]]
+        places = self._coordinates.all_places(system[own]).tolist()
         if min(places) < 0 or not self._are_together(places):
             raise UnknownItemError(
                 f"coordinate {which[0]} of node {number} '{node['name']}', which is held, or in another body "
