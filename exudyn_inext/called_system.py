@@ -289,6 +289,17 @@ def call_protocol(system, place, arguments):
     return call_at(address, system.address, arguments)
 
 
+def called_by_address(protocol: Any, *kinds: Any) -> int:
+    """As `by_address`; all kernels call the protocol so, of systems that must implement it."""
+    place = by_address(protocol, *kinds)
+
+    @calls(protocol)
+    def call(system, *arguments):
+        return call_protocol(system, place, arguments)
+
+    return place
+
+
 def of_parts(protocol: Any, *kinds: Any) -> int:
     """As `by_address`, of parts of a scene, which need not implement it; then it returns 0."""
     place = by_address(protocol, *kinds)

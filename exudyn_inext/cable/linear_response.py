@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ..called_system import by_address, call_protocol, calls, implements
+from ..called_system import by_address, call_protocol, called_by_address, calls, implements
 from ..compiled import inlined, protocol
 from ..lowered import COUNT, VECTOR
 from .assembly import add_lagging_damping
@@ -21,12 +21,7 @@ def respond(system, first, force, response):
     """
 
 
-RESPONSE = by_address(respond, COUNT, VECTOR, VECTOR)
-
-
-@calls(respond)
-def respond_called(system, first, force, response):
-    call_protocol(system, RESPONSE, (first, force, response))
+called_by_address(respond, COUNT, VECTOR, VECTOR)
 
 
 @protocol

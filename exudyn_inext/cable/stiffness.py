@@ -1,6 +1,6 @@
 """The stiffness of a cable about a configuration: of bending, and of the tension in its constraints."""
 
-from ..called_system import by_address, call_protocol, calls, implements
+from ..called_system import called_by_address, implements
 from ..compiled import called_kernel, inlined, protocol
 from ..element.inextensibility import length_gradient
 from ..lowered import VECTOR, local_array
@@ -36,12 +36,7 @@ def apply_stiffness(system, nodal, length, links, q, x, memory, y):
     """
 
 
-STIFFNESS = by_address(apply_stiffness, *[VECTOR] * 7)
-
-
-@calls(apply_stiffness)
-def apply_stiffness_of_called(system, nodal, length, links, q, x, memory, y):
-    call_protocol(system, STIFFNESS, (nodal, length, links, q, x, memory, y))
+called_by_address(apply_stiffness, *[VECTOR] * 7)
 
 
 @inlined

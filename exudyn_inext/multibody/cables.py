@@ -11,10 +11,8 @@ from ..called_system import (
     MOST_PROTOCOLS,
     Called,
     addresses_of,
-    by_address,
-    call_protocol,
     called,
-    calls,
+    called_by_address,
     implements,
     keep_with,
     provide,
@@ -158,12 +156,7 @@ def show_matrix(system, first, block, basis, free):
     """
 
 
-MATRIX = by_address(show_matrix, COUNT, VECTOR, VECTOR, VECTOR)
-
-
-@calls(show_matrix)
-def show_matrix_of_called(system, first, block, basis, free):
-    call_protocol(system, MATRIX, (first, block, basis, free))
+called_by_address(show_matrix, COUNT, VECTOR, VECTOR, VECTOR)
 
 
 @implements(show_matrix, CableSystem)

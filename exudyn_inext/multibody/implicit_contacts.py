@@ -32,7 +32,7 @@ from ..cable.axial import take_back
 from ..cable.contact_mass import add_contact_row, clear_contact_mass
 from ..cable.index_reduction import CableSystem
 from ..cable.linked_cable import LinkedCableSystem
-from ..called_system import by_address, call_protocol, calls, implements, of_parts
+from ..called_system import called_by_address, implements, of_parts
 from ..checks import SMALLEST
 from ..compiled import inlined, optional, protocol
 from ..lowered import COUNT, REAL, VECTOR, local_array
@@ -110,12 +110,7 @@ def add_contact(system, element, mass, row):
     """
 
 
-CONTACT = by_address(add_contact, COUNT, REAL, VECTOR)
-
-
-@calls(add_contact)
-def add_contact_of_called(system, element, mass, row):
-    call_protocol(system, CONTACT, (element, mass, row))
+CONTACT = called_by_address(add_contact, COUNT, REAL, VECTOR)
 
 
 @optional("contact")

@@ -12,9 +12,7 @@ from ..arrays import Array
 from ..called_system import (
     Called,
     accelerates,
-    by_address,
-    call_protocol,
-    calls,
+    called_by_address,
     implements,
     of_parts,
 )
@@ -149,6 +147,13 @@ def _count_work(items, q):
 
 
 @inlined
+def _place_points(items, q):
+    place_points(items.points, items.bodies, q)
+    place_rare_points(items.trees, q)
+    place_rare_points(items.sliders, q)
+
+
+@inlined
 def _move_points(items, q, v):
     move_points(items.points, items.bodies, q, v)
     move_rare_points(items.trees, q, v)
@@ -162,9 +167,7 @@ def _place(items, q, v):
         place_body(body, q)
         set_normal(body)
         move_body(body, q, v)
-    place_points(items.points, items.bodies, q)
-    place_rare_points(items.trees, q)
-    place_rare_points(items.sliders, q)
+    _place_points(items, q)
     _move_points(items, q, v)
 
 
@@ -385,9 +388,7 @@ def _correct_items(items, functions, q, learning, correction):
         for i in range(body.translations + body.rotations):
             correction[body.first + i] = 0.0
         add_lever(body, correction[body.first :])
-    place_points(items.points, items.bodies, q)
-    place_rare_points(items.trees, q)
-    place_rare_points(items.sliders, q)
+    _place_points(items, q)
     move_rows(joints.rows, functions)
     set_values(joints, items.points)
     for r in range(len(joints.value)):
@@ -494,9 +495,7 @@ def joint_violation(system, functions, q):
     move_rows(items.joints.rows, functions)
     for b in range(len(items.bodies)):
         place_body(items.bodies[b], q)
-    place_points(items.points, items.bodies, q)
-    place_rare_points(items.trees, q)
-    place_rare_points(items.sliders, q)
+    _place_points(items, q)
     set_values(items.joints, items.points)
     return largest_value(items.joints, 0.0)
 
@@ -515,12 +514,7 @@ def finish_step(system, q, v, left, total):
     """
 
 
-FINISH = by_address(finish_step, VECTOR, VECTOR, COUNT, VECTOR)
-
-
-@calls(finish_step)
-def finish_step_of_called(system, q, v, left, total):
-    return call_protocol(system, FINISH, (q, v, left, total))
+called_by_address(finish_step, VECTOR, VECTOR, COUNT, VECTOR)
 
 
 @implements(finish_step, SceneSystem)

@@ -17,25 +17,18 @@ MOTION = ("forces", "speeds", "time", "extent", "floor")  # of each part, see `W
 _FORCES, _SPEEDS, _TIME, _EXTENT, _FLOOR = range(5)
 
 
-class _Mass(NamedTuple):
-    """Of n coordinates, some of which have none.
+class Motions(NamedTuple):
+    """Of P parts.
 
-    part: (n,) number of the part of each.   start: (n + 1,) of the rows.   columns, values: of the entries.
+    part: (n,) number of the part of each coordinate.
+    start, columns, values: (n + 1,), (E,), (E,) rows and entries of the mass, which some do not have.
+    least: (P,) extent of a motion.   motion: (5, P) so far, see `MOTION`.   others: memory.
     """
 
     part: np.ndarray
     start: np.ndarray
     columns: np.ndarray
     values: Array
-
-
-class Motions(NamedTuple):
-    """Of P parts.
-
-    least: (P,) extent of a motion.   motion: (5, P) so far, see `MOTION`.   others: memory.
-    """
-
-    mass: _Mass
     least: Array
     motion: Array
     gone_on: Array
@@ -44,32 +37,33 @@ class Motions(NamedTuple):
 
 
 @inlined
-def _add_energies(mass, v, factor, energies):
+def _add_energies(parts, v, factor, energies):
     """energies (P,) += factor v . M v / 2 of each part."""
-    for i in range(len(mass.start) - 1):
+    for i in range(len(parts.start) - 1):
         total = 0.0
-        for k in range(mass.start[i], mass.start[i + 1]):
-            total += mass.values[k] * v[mass.columns[k]]
-        energies[mass.part[i]] += 0.5 * factor * v[i] * total
+        for k in range(parts.start[i], parts.start[i + 1]):
+            total += parts.values[k] * v[parts.columns[k]]
+        energies[parts.part[i]] += 0.5 * factor * v[i] * total
 
 
 @inlined_kernel
 def see(parts, way):
     """A way x - x_0 (n,), which may be the farthest one so far.   parts: `Motions`."""
     parts.energies.fill(0.0)
-    _add_energies(parts.mass, way, 1.0, parts.energies)
+    _add_energies(parts, way, 1.0, parts.energies)
     for p in range(len(parts.least)):
         parts.motion[_EXTENT, p] = max(parts.motion[_EXTENT, p], parts.energies[p])
 
 
 @inlined
-def _go_on(mass, least, motion, a, v, spins, duration, gone_on):
-    """gone_on: (5, P) output, `motion` after another duration [s].   least: (P,) extent of a motion."""
+def _go_on(parts, a, v, spins, duration):
+    """`gone_on` becomes `motion` after another duration [s]."""
+    least, motion, gone_on = parts.least, parts.motion, parts.gone_on
     clear(gone_on)
-    _add_energies(mass, a, duration, gone_on[_FORCES])
-    _add_energies(mass, v, duration, gone_on[_SPEEDS])
+    _add_energies(parts, a, duration, gone_on[_FORCES])
+    _add_energies(parts, v, duration, gone_on[_SPEEDS])
     for i in range(len(spins)):
-        gone_on[_FORCES, mass.part[i]] += duration * spins[i]
+        gone_on[_FORCES, parts.part[i]] += duration * spins[i]
     for p in range(len(least)):
         lasts = motion[_EXTENT, p] > least[p]
         for row in range(_TIME):
@@ -106,7 +100,7 @@ def verdict_with_parts(parts, way, spins, h, watch, q, v, a, constant, work, sca
         h: step [s].   q, v, a: (n,) present state.   others: see `verdict_after_work`.
     """
     see(parts, way)
-    _go_on(parts.mass, parts.least, parts.motion, a, v, spins, duration, parts.gone_on)
+    _go_on(parts, a, v, spins, duration)
     _find_fastest(parts.least, parts.gone_on, h, parts.fastest)
     account = watch.account[NOW]
     account.forces, account.speeds = parts.fastest[_FORCES], parts.fastest[_SPEEDS]
@@ -130,10 +124,11 @@ def motions_of(part: np.ndarray, mass: Entries, length: float) -> Motions:
     """
     numbers, part = np.unique(part, return_inverse=True)
     rows, columns, values = mass
-    of_rows = _Mass(part, np.searchsorted(rows, np.arange(len(part) + 1)), columns, values)
+    start = np.searchsorted(rows, np.arange(len(part) + 1))
     motion, gone_on = np.zeros((2, len(MOTION), len(numbers)))
     least, energies = np.zeros((2, len(numbers)))
-    found = Motions(of_rows, least, motion, gone_on, energies, np.zeros(len(MOTION)))
+    of_parts = least, motion, gone_on, energies, np.zeros(len(MOTION))
+    found = Motions(part, start, columns, values, *of_parts)
     see(found, np.full(len(part), SMALL * length))
     least[:], motion[:] = motion[_EXTENT], 0.0
     return found
