@@ -7,7 +7,6 @@ buckles in half waves of pi sqrt(EI / P): if these have less than two elements, 
 import math
 import warnings
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -28,28 +27,22 @@ SMALL = 1e-5  # strain that loads no material
 STRAIGHT, BENDS = 1e-3, 0.2  # turn along elements that nothing bends, and of those that buckle [rad]
 
 Finding = tuple[float, str]  # share, and a sentence
+NOTHING: Finding = 0.0, ""
 
 
-class AxialFindings(NamedTuple):
-    """The largest shares of the cables of a run, root mean squares in time.
+def axial_findings(kept: KeptStates) -> tuple[Finding, Finding]:
+    """The largest shares of the cables of a run that is over, root mean squares in time.
 
-    of_waves: of vibrations that the steps do not resolve in the tension.
-    of_compression: of the compression in `LARGEST_LOAD`.
+    Of vibrations that the steps do not resolve in the tension, and of the compression in `LARGEST_LOAD`. The
+    state of the run is another one then.
     """
-
-    of_waves: Finding = (0.0, "")
-    of_compression: Finding = (0.0, "")
-
-
-def axial_findings(kept: KeptStates) -> AxialFindings:
-    """Of a run that is over; its state is another one then."""
     if not (kept.run.watch.stretches and len(kept)):
-        return AxialFindings()
+        return NOTHING, NOTHING
     found = _findings(kept, FEW_LOOKS, STRAIGHT)
     return found if max(found)[0] < SUSPICIOUS else _findings(kept, LOOKS, BENDS)
 
 
-def _findings(kept: KeptStates, most: int, turn: float) -> AxialFindings:
+def _findings(kept: KeptStates, most: int, turn: float) -> tuple[Finding, Finding]:
     """most: looks.   turn: along compressed elements that count, a small one [rad]."""
     run, (times, steps, states) = kept.run, kept.all
     number = min(most, max(2, MOST_SOLVES // len(run.cables)), len(states))
@@ -59,7 +52,7 @@ def _findings(kept: KeptStates, most: int, turn: float) -> AxialFindings:
         means = [_tensions(run, look, look[1]) for look in looks]
         strained = [_tensions(run, look, 0.0) for look in looks]
     except InextensibleError:  # items that were changed do not allow an earlier state any more
-        return AxialFindings()
+        return NOTHING, NOTHING
     found = []
     for k, cable in enumerate(run.cable_runs):
         if cable.scene_cable.cable.stretches:
@@ -67,7 +60,7 @@ def _findings(kept: KeptStates, most: int, turn: float) -> AxialFindings:
             cosines = cosines_of_turns(kept.nodes(k, states[places, 0])[:, :, 1])
             compression = _compression(cable.scene_cable, mean, 2.0 - 2.0 * cosines > turn**2)
             found.append((_waves(cable.scene_cable, mean, by_strains), compression))
-    return AxialFindings(*map(max, zip(*found, strict=True)))
+    return max(waves for waves, _ in found), max(compression for _, compression in found)
 
 
 def _tensions(run: Run, look: tuple[float, float, Array], h: float) -> list[Array]:
@@ -114,7 +107,7 @@ def _root_mean_square(x: Array) -> float:
     return math.sqrt(np.mean(x**2))
 
 
-def warn_of_axial_findings(found: Sequence[AxialFindings]) -> None:
+def warn_of_axial_findings(found: Sequence[tuple[Finding, Finding]]) -> None:
     """Of the worst in the runs of a scene, if that is much.
 
     Vibrations come first: what is compressed is known only where steps resolve them.

@@ -37,27 +37,18 @@ _FREE = {
 }
 
 
-class KnownBodies(NamedTuple):
-    """records: (B,), those that turn by quaternions first.   numbers: of records, by those of the objects.
-
-    Objects of matrices have any number of records, and no number.
-    changing: bodies whose masses Exudyn says, by numbers of records.   trees: as `numbers`, of links.
-    """
-
-    records: Any
-    numbers: dict[int, int]
-    changing: dict[int, Body]
-    trees: dict[int, int]
-
-
 def read_body_records(
     mbs: Any, bodies: Sequence[Body], coordinates: CoordinateMap, q: Array, may_change: bool
-) -> KnownBodies:
-    """Read them.
+) -> tuple[Any, dict[int, int], dict[int, Body], dict[int, int]]:
+    """Records (B,), those that turn by quaternions first.
 
     Args:
         mbs: in the configuration q (n,).   bodies: all objects with mass but the cables.
         may_change: whether Exudyn may say masses at each evaluation.
+
+    Returns:
+        records, their numbers by those of the objects (those of matrices have any number of records, and no
+        number), bodies whose masses Exudyn says by numbers of records, and numbers of trees as of others.
 
     Raises:
         UnknownItemError: one has no compiled form.
@@ -80,7 +71,7 @@ def read_body_records(
     changing = {k: body for k, body in of_matrices if not body.has_constant_mass}
     kinds = {k: mbs.GetObject(body.number)["objectType"] for k, body in changing.items()}
     trees = {changing.pop(k).number: k for k, kind in kinds.items() if kind == _TREE}
-    return KnownBodies(records, numbers, changing, trees)
+    return records, numbers, changing, trees
 
 
 class ChangingMass(NamedTuple):

@@ -68,23 +68,15 @@ class _Joint:
         return 3 * function if self.is_moved else -1
 
 
-class KnownRows(NamedTuple):
-    """Joints.   records: (m,), in their order.   functions: of time, that offsets are.
-
-    moved: offsets that are set, or whose functions are steered, between steps; their values follow those of
-    the functions.   movable: numbers of joints whose offsets may be.
-    sliders: see `Sliders`.
-    """
-
-    records: Any
-    functions: Sequence[FunctionOfTime]
-    moved: MovedOffsets
-    movable: Set[int]
-    sliders: Sliders
-
-
-def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved: Set[int]) -> KnownRows:
+def read_rows(
+    mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved: Set[int]
+) -> tuple[Any, Sequence[FunctionOfTime], MovedOffsets, Set[int], Sliders]:
     """Read joints, of which some may be `moved` between steps.
+
+    Returns:
+        records (m,) of their rows, functions of time that offsets are, offsets that are set, or whose
+        functions are steered, between steps (their values follow those of the functions), numbers of joints
+        whose offsets may be, and `Sliders`.
 
     Raises:
         UnknownItemError: one has no compiled form.
@@ -116,7 +108,7 @@ def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved:
     set_between = [one for one in offsets if one.joint in moved or one.joint in steered]
     of_moved = _moved_offsets(set_between, len(functions), list(steered.values()))
     movable = {one.joint for one in offsets}
-    return KnownRows(collected(ROW, rows), functions, of_moved, movable, _sliders(sliding))
+    return collected(ROW, rows), functions, of_moved, movable, _sliders(sliding)
 
 
 def is_joint(data: dict[str, Any]) -> bool:

@@ -103,7 +103,7 @@ def read_known_items(
 class KnownNumbers:
     """Items as records, by their numbers, so that they can be read again.
 
-    connectors, loads: records, in the order in which they were added.   moved, movable: see `KnownRows`.
+    connectors, loads: records, in the order in which they were added.   moved, movable: see `read_rows`.
     bodies: number of the record of each body, by that of the object.
     functions: those of loads; each has three values, which follow the `others` of joints.
     """
