@@ -33,7 +33,6 @@ from ..statics import (
     Equilibrium,
     JoinedPotential,
     Potential,
-    StaticOptions,
     find_equilibrium,
     potential_of,
     potentials_of,
@@ -257,11 +256,10 @@ def _solve_cables(mbs: Any, scene: Scene, time: float, static: StaticSettings) -
 
 
 def _solve_cable(mbs: Any, scene_cable: CableInScene, time: float, static: StaticSettings) -> Equilibrium:
-    options = StaticOptions(static.tolerance, static.maxIterations)
     ((q, _),) = initial_states(mbs, [scene_cable])
     for step in range(1, static.loadSteps + 1):
         potential = cable_at_rest(scene_cable, time, step / static.loadSteps)
-        equilibrium = find_equilibrium(potential, q, options)
+        equilibrium = find_equilibrium(potential, q, static.tolerance, static.maxIterations)
         q = equilibrium.q
     return equilibrium
 
@@ -319,8 +317,7 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
             "once; set it to 1, and start nearer to the equilibrium."
         )
     with scene_at_rest(mbs, scene, time) as (joined, others, potential, start, unloaded):
-        options = StaticOptions(static.tolerance, static.maxIterations)
-        equilibrium = find_equilibrium(potential, start, options)
+        equilibrium = find_equilibrium(potential, start, static.tolerance, static.maxIterations)
         q = equilibrium.q
         reactions = others.reactions(q, _last(len(others.values(q)), equilibrium.multipliers))
         data = others.data(q)

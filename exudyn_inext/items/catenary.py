@@ -90,7 +90,7 @@ def of_constant_length(q: Array, length: float) -> Array:
     )
     tolerance = ROUND_OFF * number
     unloaded = potential_of([cable], np.zeros(curve.size), 0.0)
-    nearest, left = feasible(unloaded, curve, tolerance)
+    nearest, left = feasible(unloaded, curve, tolerance=tolerance)
     if left > tolerance:
         raise InputError(
             f"numberOfElements = {number}: elements of {size:g} m are too long for the bend at "

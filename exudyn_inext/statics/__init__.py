@@ -1,6 +1,6 @@
 """Static equilibrium of cables and scenes on their constraint manifold, and whether it is stable."""
 
-from .equilibrium import GROWS, Equilibrium, StaticOptions, find_equilibrium
+from .equilibrium import GROWS, Equilibrium, find_equilibrium
 from .joined_potential import JoinedPotential
 from .potential import Potential, support_forces
 from .stability import smallest_eigenvalue
@@ -11,7 +11,6 @@ __all__ = [
     "Equilibrium",
     "JoinedPotential",
     "Potential",
-    "StaticOptions",
     "find_equilibrium",
     "potential_of",
     "potentials_of",

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array, SparseArray
-from .feasible import cautious, feasible, followed, straight
+from .feasible import NEARLY, cautious, feasible, followed, straight
 from .saddle_point import factorise, solve
 from .small_motions import SmallMotions, small_motions
 from .stability import eigenvalue_without_potential, round_off, smallest_eigenvalue
@@ -28,18 +28,6 @@ ESCAPES = (0.1, 0.01, 1e-3, 1e-4)  # turns of slopes and bodies beside an unstab
 SHORT = 0.1  # of a step, which a softer model asks for: a more convex one knows better
 GROWS = "all forces are balanced, but loads without a potential make small vibrations grow"
 _ARMIJO = 1e-4
-
-
-@dataclass(frozen=True)
-class StaticOptions:
-    """tolerance: of the residual, relative to the largest force on the cable [-].
-
-    iterations: largest number of steps.   feasibility: of the constraints [-, m].
-    """
-
-    tolerance: float = 1e-9
-    iterations: int = 500
-    feasibility: float = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,9 +95,7 @@ def _models(potential: StaticSystem, q: Array, multipliers: Array) -> Iterator[S
     yield convex
 
 
-def _line_search(
-    potential: StaticSystem, q: Array, direction: Array, slope: float, feasibility: float
-) -> Array | None:
+def _line_search(potential: StaticSystem, q: Array, direction: Array, slope: float) -> Array | None:
     """The next state on the constraints with less energy; None if there is none along the step.
 
     Close to the equilibrium, where round-off hides the gain of energy, Newton's step is trusted.
@@ -119,35 +105,38 @@ def _line_search(
     follow = followed if size > SHORT else straight
     is_resolved = -slope > RESOLUTION * potential.scale_of_energy(q)
     for _ in range(30):
-        trial, left = follow(potential, q, size * step, feasibility)
+        trial, left = follow(potential, q, size * step)
         falls = not is_resolved or potential.fall(q, trial) >= -_ARMIJO * size * slope
-        if left <= 1e3 * feasibility and falls and not potential.is_blocked(q, trial):
+        if left <= NEARLY and falls and not potential.is_blocked(q, trial):
             return trial
         size *= 0.5
     return None
 
 
-def find_equilibrium(potential: StaticSystem, start: Array, options: StaticOptions) -> Equilibrium:
+def find_equilibrium(
+    potential: StaticSystem, start: Array, tolerance: float = 1e-9, most: int = 500
+) -> Equilibrium:
     """The stable equilibrium that lies downhill of `start`.
 
     Args:
         potential: what moves, its loads and constraints.
         start: coordinates, not necessarily on the constraints.
-        options: tolerances.
+        tolerance: of the residual, relative to the largest force on the cable [-].
+        most: iterations.
     """
     potential.turn_with(start)
-    q, violation = feasible(potential, start, options.feasibility)
-    if violation > 1e3 * options.feasibility:
-        q, violation = feasible(potential, potential.bowed(start), options.feasibility)
+    q, violation = feasible(potential, start)
+    if violation > NEARLY:
+        q, violation = feasible(potential, potential.bowed(start))
     multipliers, first = np.zeros(len(potential.values(q))), q
-    if violation > 1e3 * options.feasibility:
+    if violation > NEARLY:
         message = "the constraints cannot be met"
         return Equilibrium(q, multipliers, False, message, np.inf, violation, 0, np.nan)
-    limit = options.tolerance * potential.largest_load
+    limit = tolerance * potential.largest_load
     balanced = max(1e3 * limit, potential.round_off)
     message, eigenvalue, residual = "", np.nan, np.inf
     iterations, about = 0, None
-    while iterations < options.iterations:
+    while iterations < most:
         iterations += 1
         potential.turn_with(q)
         previous, following = residual, None
@@ -155,11 +144,11 @@ def find_equilibrium(potential: StaticSystem, start: Array, options: StaticOptio
         is_stalled = -slope < RESOLUTION**2 * potential.largest_load * potential.length
         is_stalled |= residual < potential.round_off
         if residual > limit and slope < 0.0 and not (is_stalled and residual > 0.5 * previous):
-            following = _line_search(potential, q, direction, slope, options.feasibility)
+            following = _line_search(potential, q, direction, slope)
         if following is None:
             about = small_motions(potential, q, multipliers)
             eigenvalue, worst, message = _stability(about, residual <= balanced)
-            following = None if message else _escape(potential, q, worst, eigenvalue, options)
+            following = None if message else _escape(potential, q, worst, eigenvalue)
         if following is None:
             break
         q = following
@@ -183,17 +172,15 @@ def _stability(about: SmallMotions, is_balanced: bool) -> tuple[float, Array, st
     return (eigenvalue, worst, GROWS) if true.imag else (true.real, worst, "")
 
 
-def _escape(
-    potential: StaticSystem, q: Array, worst: Array, eigenvalue: float, options: StaticOptions
-) -> Array | None:
+def _escape(potential: StaticSystem, q: Array, worst: Array, eigenvalue: float) -> Array | None:
     """A state with less energy beside an unstable equilibrium; None if it is stable."""
     if not eigenvalue < potential.indifferent:
         return None
     direction = worst / max(potential.turn(worst.reshape(q.shape)), 1e-300)
     trials = []
     for size in (sign * turn for turn in ESCAPES for sign in (1.0, -1.0)):
-        trial, left = followed(potential, q, size * direction.reshape(q.shape), options.feasibility)
-        if left <= 1e3 * options.feasibility and not potential.is_blocked(q, trial):
+        trial, left = followed(potential, q, size * direction.reshape(q.shape))
+        if left <= NEARLY and not potential.is_blocked(q, trial):
             trials.append((potential.fall(q, trial), trial))
     fall, best = max(trials, key=lambda pair: pair[0], default=(0.0, q))
     return best if fall > 0.0 else None

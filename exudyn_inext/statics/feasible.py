@@ -12,6 +12,8 @@ PROJECTIONS = 100
 FEW = 15  # after a step, which may be shortened
 SMALLEST_STEP = 1e-6
 LEFT = 0.1
+FEASIBLE = 1e-12  # violation of constraints [-, m]
+NEARLY = 1e3 * FEASIBLE  # where round-off allows no less
 
 
 class WithStrains:
@@ -34,22 +36,25 @@ class WithStrains:
         return one_below_another([self._potential.jacobian(q), self._potential.strain_rows(q)])
 
 
-def followed(potential: StaticSystem, q: Array, step: Array, tolerance: float) -> tuple[Array, float]:
+def followed(potential: StaticSystem, q: Array, step: Array) -> tuple[Array, float]:
     """`feasible` after a step from q, with the strains that it foresees where these can be."""
     if len(potential.strains(q)):
-        found = feasible(WithStrains(potential, q, step), q + step, tolerance, FEW)
-        if found[1] <= 1e3 * tolerance:
+        found = feasible(WithStrains(potential, q, step), q + step, FEW)
+        if found[1] <= NEARLY:
             return found
-    return straight(potential, q, step, tolerance)
+    return straight(potential, q, step)
 
 
-def straight(potential: StaticSystem, q: Array, step: Array, tolerance: float) -> tuple[Array, float]:
+def straight(potential: StaticSystem, q: Array, step: Array) -> tuple[Array, float]:
     """`feasible` after a step from q."""
-    return feasible(potential, q + step, tolerance, FEW)
+    return feasible(potential, q + step, FEW)
 
 
 def feasible(
-    potential: StaticSystem | WithStrains, q: Array, tolerance: float, most: int = PROJECTIONS
+    potential: StaticSystem | WithStrains,
+    q: Array,
+    most: int = PROJECTIONS,
+    tolerance: float = FEASIBLE,
 ) -> tuple[Array, float]:
     """q moved onto the constraints, and what is left of their largest violation.
 

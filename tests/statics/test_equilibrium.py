@@ -12,7 +12,7 @@ from exudyn_inext.cable.link import Motion, rest
 from exudyn_inext.constraints.distance import hanger
 from exudyn_inext.constraints.prescribed_motion import prescribed
 from exudyn_inext.loads.gravity import gravity_force
-from exudyn_inext.statics import Potential, StaticOptions, find_equilibrium, smallest_eigenvalue
+from exudyn_inext.statics import Potential, find_equilibrium, smallest_eigenvalue
 from exudyn_inext.statics.small_motions import small_motions
 from tests.cables import MEASURES, arc, relative_error, straight_cable
 
@@ -22,7 +22,7 @@ both_measures = pytest.mark.parametrize("measure", MEASURES, ids=lambda measure:
 
 def equilibrium(cable, external, start=None, time=0.0, **options):
     start = cable.reference if start is None else start
-    return find_equilibrium(Potential([cable], external, time), start, StaticOptions(**options))
+    return find_equilibrium(Potential([cable], external, time), start, **options)
 
 
 def end_force(cable, force):
@@ -300,7 +300,7 @@ def test_cable_that_nothing_holds_has_no_stable_equilibrium(case):
 
 def test_search_that_is_cut_off_says_so():
     cable = straight_cable(8, 2, "clamped", 1.0, section=UNIT)
-    found = equilibrium(cable, end_force(cable, [0.0, 10.0]), iterations=2)
+    found = equilibrium(cable, end_force(cable, [0.0, 10.0]), most=2)
     assert not found.converged
     assert found.message == "no stable equilibrium within reach"
     assert found.iterations == 2
