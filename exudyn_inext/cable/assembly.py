@@ -9,6 +9,7 @@ from ..element.natural_curvature import add_natural_curvature_force
 from ..lowered import local_array
 from .factorisation import set_frame
 
+ACCELERATION, CORRECTION = 0, 1  # columns of Eq. (29): v' with lam, and q' - v with mu
 VALUE, RATE, GAMMA = 0, 1, 2  # entries of the `constraint` of a record
 
 
@@ -128,7 +129,7 @@ def set_violations(axes, nodes, elements, q, set_targets, parameter):
 
 
 @inlined
-def assemble(axes, nodes, elements, external, q, v, column, set_targets, parameter):
+def assemble(axes, nodes, elements, external, q, v, set_targets, parameter):
     """All that the index-reduced equations need at (q, v), into the records of the chain.
 
     Nodes: external and elastic forces, constraint terms (18), (27) and the frame.
@@ -138,13 +139,12 @@ def assemble(axes, nodes, elements, external, q, v, column, set_targets, paramet
         axes, nodes, elements: of the chain.
         external: (n, 2, dim) [N, Nm].
         q, v: (n, 2, dim) coordinates and velocities.
-        column: of the forces.
         set_targets: (parameter, record): sets the targets of a record's constraint from its terms.
     """
     for k in range(len(nodes)):
         for i in range(len(axes)):
-            nodes[k].force[column, 0, i] = external[k, 0, i]
-            nodes[k].force[column, 1, i] = external[k, 1, i]
+            nodes[k].force[ACCELERATION, 0, i] = external[k, 0, i]
+            nodes[k].force[ACCELERATION, 1, i] = external[k, 1, i]
         set_frame(axes, nodes[k], q[k, 1])
         terms = nodes[k].constraint
         terms[VALUE] = nodal_constraint(axes, q[k, 1])
@@ -158,7 +158,7 @@ def assemble(axes, nodes, elements, external, q, v, column, set_targets, paramet
         differences(axes, v, k, e_t)
         clear(result)
         add_bending(axes, element, e, result)
-        add_element_force(axes, result, nodes[k].force[column], nodes[k + 1].force[column])
+        add_element_force(axes, result, nodes[k].force[ACCELERATION], nodes[k + 1].force[ACCELERATION])
         length_gradient(axes, element.slope_gram, e_t, result)
         element.constraint[GAMMA] = -contract(axes, e_t, result)
         length_gradient(axes, element.slope_gram, e, result)
@@ -220,7 +220,7 @@ def improves_alone(elements):
 
 
 @inlined
-def add_lagging_damping(axes, nodes, elements, q, a, column):
+def add_lagging_damping(axes, nodes, elements, q, a):
     """lag (D_c - D) a, by which the matrix D_c on the left differs from the damping D, to the `force`.
 
     a: (n, 2, dim) accelerations.   Other arguments: see `add_damping`.
@@ -237,7 +237,7 @@ def add_lagging_damping(axes, nodes, elements, q, a, column):
         for row in range(3):
             for i in range(len(axes)):
                 damped[row, i] = elements[k].lag * (damped[row, i] - all_of_it[row, i])
-        add_element_force(axes, damped, nodes[k].force[column], nodes[k + 1].force[column])
+        add_element_force(axes, damped, nodes[k].force[ACCELERATION], nodes[k + 1].force[ACCELERATION])
 
 
 @inlined

@@ -27,6 +27,8 @@ from ..element.axial_strain import middle_strain, norm, rise_by_left
 from ..element.inextensibility import contract, length_gradient
 from ..lowered import local_array, subtract_multiple
 from .assembly import (
+    ACCELERATION,
+    CORRECTION,
     GAMMA,
     VALUE,
     add_bending,
@@ -58,7 +60,6 @@ from .contact_mass import add_contact_mass, couple_by_contact
 from .factorisation import eliminate_node, factorise
 from .saddle_point import solve_column
 
-ACCELERATION, CORRECTION = 0, 1
 HUGE = 1e30  # 1/s
 SHORTEST = 0.2  # |r_x| of a compressed cable, below which it is about to turn inside out
 
@@ -228,7 +229,7 @@ def _assemble_element(axes, nodes, element, q, v, k, duration):
 @inlined
 def _assemble_constrained(axes, nodes, elements, external, q, v, lead, set_targets, parameter):
     """See `assembly.assemble`."""
-    assemble(axes, nodes, elements, external, q, v, ACCELERATION, set_targets, parameter)
+    assemble(axes, nodes, elements, external, q, v, set_targets, parameter)
 
 
 @optional("axial", otherwise=_assemble_constrained)

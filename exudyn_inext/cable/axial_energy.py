@@ -6,8 +6,8 @@ from ..arrays import Array
 from ..compiled import clear, kernel
 from ..element.inextensibility import contract, length_gradient
 from ..lowered import local_array
-from .assembly import add_bending, damp_element, differences, leave_targets
-from .axial import ACCELERATION, add_forces_of, assemble_chain, mean_stretch, stored_energy
+from .assembly import ACCELERATION, add_bending, damp_element, differences, leave_targets
+from .axial import add_forces_of, assemble_chain, mean_stretch, stored_energy
 from .axial_stiffness import ADDED_MASS, FORCE
 from .cable import Cable
 from .chain import Chain

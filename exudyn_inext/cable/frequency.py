@@ -9,10 +9,10 @@ from ..called_system import called
 from ..compiled import called_kernel, inlined, inlined_kernel, kernel
 from ..element.axial_strain import mean_strain
 from ..system import accelerate_and_project
-from .assembly import VALUE
+from .assembly import ACCELERATION, VALUE
 from .axial_stiffness import FORCE, FREE_STRAIN, STRAIN
 from .chain import Chain
-from .index_reduction import ACCELERATION, CableSystem
+from .index_reduction import CableSystem
 from .linear_response import respond
 from .linked_cable import LinkedCableSystem
 from .saddle_point import apply_mass, multiply_by_mass

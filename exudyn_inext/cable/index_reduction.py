@@ -15,6 +15,8 @@ from ..system import (
     report_energy,
 )
 from .assembly import (
+    ACCELERATION,
+    CORRECTION,
     GAMMA,
     RATE,
     VALUE,
@@ -34,8 +36,6 @@ from .axial import (
 from .chain import Chain
 from .energy import dissipative_power, kinetic_energy, lagging_energy
 from .saddle_point import solve_both_columns, solve_column
-
-ACCELERATION, CORRECTION = 0, 1  # columns of Eq. (29): v' with lam, and q' - v with mu
 
 
 class CableSystem(NamedTuple):

@@ -5,8 +5,8 @@ from typing import Any
 from ..called_system import by_address, call_protocol, called_by_address, calls, implements
 from ..compiled import inlined, protocol
 from ..lowered import COUNT, VECTOR
-from .assembly import add_lagging_damping
-from .index_reduction import ACCELERATION, CableSystem, solve_one
+from .assembly import ACCELERATION, add_lagging_damping
+from .index_reduction import CableSystem, solve_one
 from .linked_cable import LinkedCableSystem
 from .saddle_point import solve_for_force
 
@@ -79,7 +79,7 @@ def _aim_at_lagging_damping(chain, q, x):
     axes, nodes, elements = chain.axes, chain.nodes, chain.elements
     shape = (len(nodes), 2, len(axes))
     _set_right_hand_side(axes, nodes, elements, 0.0, x.reshape(shape))
-    add_lagging_damping(axes, nodes, elements, q.reshape(shape), x.reshape(shape), ACCELERATION)
+    add_lagging_damping(axes, nodes, elements, q.reshape(shape), x.reshape(shape))
 
 
 @implements(improve_damping, CableSystem)

@@ -13,7 +13,7 @@ from ..system import (
     correct_position,
     report_energy,
 )
-from .assembly import add_lagging_damping, improves_alone, leave_targets
+from .assembly import ACCELERATION, CORRECTION, add_lagging_damping, improves_alone, leave_targets
 from .axial import aim_at_positions
 from .axial_stiffness import MEAN_FORCE
 from .cable import Cable
@@ -21,8 +21,6 @@ from .chain import Chain, build_chain
 from .energy import power_of_motions
 from .implicit_bending import EXPLICIT, ImplicitBending
 from .index_reduction import (
-    ACCELERATION,
-    CORRECTION,
     CableSystem,
     assemble_and_factorise,
     factorise_at,
@@ -148,7 +146,7 @@ def _solve(system, q, acceleration, change):
     solve_both(system, acceleration.reshape(shape), change.reshape(shape))
     if improves_alone(elements):
         found = acceleration.reshape(shape)
-        add_lagging_damping(axes, nodes, elements, q.reshape(shape), found, ACCELERATION)
+        add_lagging_damping(axes, nodes, elements, q.reshape(shape), found)
         solve_one(system, ACCELERATION, found)
 
 

@@ -11,11 +11,10 @@ from ..compiled import Prepared, kernel
 from ..element.inextensibility import length_gradient
 from ..lowered import local_array
 from ..system import accelerate_and_project
-from .assembly import differences
+from .assembly import ACCELERATION, differences
 from .axial_energy import force_in_motion
 from .axial_stiffness import set_step_of_means
 from .cable import Cable
-from .index_reduction import ACCELERATION
 from .linked_cable import LinkedCableSystem
 from .many_cables import cable_systems
 from .records import link_type

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
+from ..cable.assembly import CORRECTION
 from ..cable.cable import Cable
-from ..cable.index_reduction import CORRECTION
 from ..cable.linked_cable import LinkedCableSystem
 from ..cable.many_cables import in_few_chains
 from ..cable.sparse_forms import mass_of_cable
