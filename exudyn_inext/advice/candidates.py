@@ -22,7 +22,7 @@ def climb(problem: Problem, meshes: Sequence[int], most: float) -> list[Pilot]:
     pilots: list[Pilot] = []
     for rung, elements in enumerate(meshes):
         step = problem.period * REFINEMENT**rung
-        if pilots and _expected_seconds(pilots[-1], elements, step) > most:
+        if pilots and pilots[-1].expected_seconds(elements, step) > most:
             break
         pilots.append(problem.run(Choice(CONVENTIONAL, INTEGRATOR, elements, step)))
     return pilots
@@ -42,7 +42,3 @@ def coarsen(problem: Problem, search: Search, pilot: Pilot) -> list[Pilot]:
         pilots.append(pilot)
         step /= REFINEMENT
     return pilots
-
-
-def _expected_seconds(last: Pilot, elements: int, step: float) -> float:
-    return last.seconds * elements / last.choice.elements * last.choice.step_size / step

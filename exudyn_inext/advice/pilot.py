@@ -60,6 +60,10 @@ class Pilot:
         """Largest |difference| of what was observed."""
         return float(np.linalg.norm(self.values - other.values, axis=1).max())
 
+    def expected_seconds(self, elements: int, step: float) -> float:
+        """CPU time of a run of another mesh, by another step [s]."""
+        return self.seconds * elements / self.choice.elements * self.choice.step_size / step
+
 
 class Problem(Protocol):
     """A scene that can be run with any choice.   end_time, period: of the run, and of its samples [s].

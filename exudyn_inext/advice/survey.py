@@ -131,11 +131,10 @@ def survey_meshes(problem: Problem, tolerance: float, numbers: Sequence[int], bu
         except InputError as error:
             refused = str(error)
             continue
-        choice = Choice(problem.formulation, INTEGRATOR, elements, step)
         spent = sum(pilot.seconds for pilot in pilots + failed)
-        if len(pilots) >= 3 and spent + _expected_seconds(pilots[-1], choice, problem) > budget:
+        if len(pilots) >= 3 and spent + pilots[-1].expected_seconds(elements, step) > budget:
             break
-        pilot = problem.run(choice)
+        pilot = problem.run(Choice(problem.formulation, INTEGRATOR, elements, step))
         if pilot.failure:
             failed.append(pilot)
             refused = pilot.failure
@@ -155,11 +154,6 @@ def survey_meshes(problem: Problem, tolerance: float, numbers: Sequence[int], bu
     for pilot in pilots + failed:
         search.compare_with_finest(pilot)
     return search
-
-
-def _expected_seconds(last: Pilot, choice: Choice, problem: Problem) -> float:
-    steps = problem.end_time / choice.step_size
-    return last.seconds * steps / last.steps * choice.elements / last.choice.elements
 
 
 def _convergence(pilots: Sequence[Pilot]) -> tuple[float, float] | None:
