@@ -29,7 +29,7 @@ from .watch import NO_MESH
 
 SAFETY_ALONE, SAFETY_AMONG_BODIES = 0.95, 0.7  # share of the limit at the start that is used
 THETA = 0.3  # share of bending that is implicit: 1/4 leaves no margin for the tension
-MOST_THETA = 0.55  # with which bending alone, h w < theta^(-1/2), keeps to the share that is used among bodies
+MOST_THETA = 0.55  # with which bending alone, h w < theta^(-1/2), keeps to the share used among bodies
 STIFF = 0.5  # share of the step of short waves, up to which tension decides, and bending keeps its bound
 OF_STATES = 0.2  # step times the frequency of first order states, as of oil under pressure
 OF_RUBBING = 0.7  # step times the rate of contacts: a rope on a drum is then 1 % off, 7 % without damping
@@ -226,8 +226,8 @@ def _scaled_bounds(
 ) -> tuple[StepSizeBounds, float]:
     """Bounds of the step, and theta of the mass that is scaled for the largest one that they allow.
 
-    Where vibrations allow less than what resolves the motion, the mass that is scaled for that serves as well:
-    theta grows, up to what keeps bending from being a bound.
+    Where vibrations allow less than what resolves the motion, the mass that is scaled for that serves as
+    well: theta grows, up to what keeps bending from being a bound.
 
     `undamped` is that of the largest step which its own mass allows without damping: damping makes steps
     shorter, and with them scaled masses lighter.
