@@ -51,8 +51,8 @@ class ExplicitSettings:
             a trapezoidal-like treatment of bending without Newton iterations. Above 1/4, bending no
             longer bounds the step; 0.3 leaves a margin for the tension. Vibrations faster than the step
             are then not resolved. Order 2 is kept. None: 0 with a stepSize; without one, RATTLE takes 0.3,
-            0.55 of stiff cables among bodies, where bending would bound a step that is short enough for
-            the motion.
+            and up to 0.55 among bodies, where bending would bound a step that is short enough for the
+            motion.
         startTolerance: largest violation of a constraint by the initial state: of values [-, m] and,
             relative to the speed, of rates. Up to it the state is projected onto the constraints; above it
             coordinates are refused, and velocities projected with a warning, as by impulses at supports and

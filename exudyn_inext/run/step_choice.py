@@ -29,7 +29,7 @@ from .watch import NO_MESH
 
 SAFETY_ALONE, SAFETY_AMONG_BODIES = 0.95, 0.7  # share of the limit at the start that is used
 THETA = 0.3  # share of bending that is implicit: 1/4 leaves no margin for the tension
-THETA_AMONG_BODIES = 0.55  # with which bending alone, h w < theta^(-1/2), keeps to the share that is used
+MOST_THETA = 0.55  # with which bending alone, h w < theta^(-1/2), keeps to the share used among bodies
 STIFF = 0.5  # share of the step of short waves, up to which tension decides, and bending keeps its bound
 OF_STATES = 0.2  # step times the frequency of first order states, as of oil under pressure
 OF_RUBBING = 0.7  # step times the rate of contacts: a rope on a drum is then 1 % off, 7 % without damping
@@ -207,42 +207,51 @@ def _bounds_and_scaling(
     usual = THETA
     if _are_among_bodies(runs):
         if accuracy > STIFF * min(map(step_of_shortest_element, cables)):
-            usual = THETA_AMONG_BODIES
+            usual = MOST_THETA
         lightest = min(run.lightest_body for run in runs if isinstance(run, CoupledRun))
         of_bending = min(step_of_short_waves(cable, lightest) for cable in cables)
         of_others = (step for run in runs for step in (_step_of_states(run, start), _step_of_rubbing(run)))
         accuracy = min(accuracy, of_bending, *of_others)
     theta = _mass_scaling(cables, accuracy, explicit, usual)
-    explicit = replace(explicit, massScaling=theta)
+    most = MOST_THETA if explicit.massScaling is None else theta
+    bounds, theta = _scaled_bounds(runs, start, replace(explicit, massScaling=theta), accuracy, most)
     for run in runs:
         mesh = resolution_of_mesh(run, start, theta)
         run.watch.limit_phase(min(duration, MOST_DURATION), PHASE, mesh, small_error(run))
-    return _scaled_bounds(runs, start, explicit, accuracy), explicit
+    return bounds, replace(explicit, massScaling=theta)
 
 
 def _scaled_bounds(
-    runs: Sequence[Run], start: float, explicit: ExplicitSettings, accuracy: float
-) -> StepSizeBounds:
-    """Bounds of the step, with the mass scaled for the largest one that they allow.
+    runs: Sequence[Run], start: float, explicit: ExplicitSettings, accuracy: float, most: float
+) -> tuple[StepSizeBounds, float]:
+    """Bounds of the step, and theta of the mass that is scaled for the largest one that they allow.
+
+    Where vibrations allow less than what resolves the motion, the mass that is scaled for that serves as
+    well: theta grows, up to what keeps bending from being a bound.
 
     `undamped` is that of the largest step which its own mass allows without damping: damping makes steps
     shorter, and with them scaled masses lighter.
 
-    accuracy: step that resolves the motion [s].
+    accuracy: step that resolves the motion [s].   most: theta.
     """
     step, theta, undamped = accuracy, explicit.massScaling or 0.0, 0.0
     for _ in range(MOST_TRIALS):
-        for run in runs if theta else []:
-            run.scale_mass(theta, step)
+        _scale_mass(runs, theta, step)
         bounds = step_bounds(runs, start, explicit, accuracy)
         without, _ = largest_step(replace(bounds, bending=bounds.undamped), explicit.stepSafety)
         if without >= NEARLY * step:
             undamped = max(undamped, bounds.undamped)
-        wanted, _ = largest_step(bounds, explicit.stepSafety)
+        wanted, decided_by = largest_step(bounds, explicit.stepSafety)
         if not theta or wanted >= NEARLY * step:
             break
-        step = _for_its_own_mass(wanted, step, theta, bounds)
-    return replace(bounds, undamped=max(undamped, bounds.undamped))
+        if decided_by != "bending" or theta >= most:
+            step = _for_its_own_mass(wanted, step, theta, bounds)
+            continue
+        theta, step = min(_rounded_up(theta * step / wanted * step / wanted), most), wanted
+        if theta < most:  # the mass is the same, but for rounding
+            _scale_mass(runs, theta, step)
+            break
+    return replace(bounds, undamped=max(undamped, bounds.undamped)), theta
 
 
 def _accuracy(run: Run, start: float) -> float:
@@ -275,6 +284,16 @@ def _step_of_rubbing(run: Run) -> float:
     """Largest step that resolves the pressure under which cables rub on circles [s]."""
     fastest = run.mover.fastest_rubbing_contact if isinstance(run, CoupledRun) else 0.0
     return OF_RUBBING / fastest if fastest > 0.0 else math.inf
+
+
+def _scale_mass(runs: Sequence[Run], theta: float, step: float) -> None:
+    for run in runs if theta else []:
+        run.scale_mass(theta, step)
+
+
+def _rounded_up(theta: float) -> float:
+    """To hundredths: searches for frequencies differ in their last digits, and runs are to be the same."""
+    return math.ceil(100.0 * min(theta, 1.0)) / 100.0
 
 
 def _for_its_own_mass(wanted: float, step: float, theta: float, bounds: StepSizeBounds) -> float:

@@ -17,8 +17,6 @@ from ..compiled import kernel
 from ..system import accelerate_and_project
 
 STEP = 1e-6  # of the differences [m, -, m/s, 1/s]
-ACCURACY, OF_VIBRATIONS = 1e-3, 1e-2  # residual of an eigenvalue; its root and its symmetry forgive more
-SETTLED = 1e-3  # its change from one test to the next: residuals say little where vectors are hardly apart
 NO_JUMP = 1e-6  # share of the damping forces
 NEGLIGIBLE = 1e-6  # damping over the frequency: less is round-off, and bounds no step
 FIRST_LOOK, GROWTH = 8, 1.2  # steps of the iteration before its first test, and from one test to the next
@@ -28,6 +26,21 @@ ROUND_OFF = 1e-12
 NO_STATES = slice(0, 0)
 OF_LARGEST_STATE = 0.01  # within which decays of first order states are looked for
 OVERDAMPED = 1e3  # damping over the frequency, beyond which a motion is a decay
+
+
+class Accuracy(NamedTuple):
+    """At which a search for an eigenvalue ends, as shares of it.
+
+    residual: of its vector.   change: of the value, from one test to the next: residuals say little where
+        vectors are hardly apart.
+    """
+
+    residual: float
+    change: float
+
+
+OF_DAMPING = Accuracy(1e-3, 1e-3)
+OF_VIBRATIONS = Accuracy(3e-2, 3e-3)  # their root and their symmetry forgive more
 
 
 class FastestRates(NamedTuple):
@@ -149,22 +162,21 @@ def _operators(
     has_jumps = None
 
     def accelerated(q: Array, v: Array, force: Array | float = 0.0) -> Array:
-        """Accelerations, and velocities projected onto the constraints.   force: (n,) added."""
+        """Accelerations, and velocities projected onto the constraints.   force: (n,) added.
+
+        Accelerations of places on the constraints differ by directions along them, but for the accelerations
+        at present over lengths: so much is nothing beside the fastest vibrations.
+        """
         result = np.zeros((2, len(q)))
         if added:
             added.given[:] = force
         evaluate(external, q, v, 0.0, result[0], result[1])
         return result
 
-    offset = accelerated(q, nothing)[1]  # moving supports
-
-    def projected(v: Array) -> Array:
-        return np.asarray(accelerated(q, v)[1] - offset)
-
     def stiffness(x: Array) -> Array:
         move, force = STEP * x, STEP * added.stiffness(x) if added else 0.0
         before, after = (accelerated(q + s * move, v, at_present - s * force)[0] for s in (-1.0, 1.0))
-        return projected(before - after) / (2.0 * STEP)
+        return np.asarray(before - after) / (2.0 * STEP)
 
     def damping(x: Array) -> Array:
         """A jump, as of Coulomb friction, drops out of d(2 h) - d(h), d(h) = a(-h) - a(h).
@@ -187,7 +199,9 @@ def _operators(
             has_jumps = bool(np.linalg.norm(smooth - near) > NO_JUMP * np.linalg.norm(near))
         return smooth / (2.0 * STEP)
 
-    return stiffness, damping, projected(np.cos(np.arange(len(q), dtype=float) ** 2 * 1.6180339887))
+    anywhere = np.cos(np.arange(len(q), dtype=float) ** 2 * 1.6180339887)
+    of_supports = accelerated(q, nothing)[1]
+    return stiffness, damping, np.asarray(accelerated(q, anywhere)[1] - of_supports)
 
 
 class VibrationTracker:
@@ -228,13 +242,13 @@ def _largest_eigenvalue(
     start: Array,
     negligible: float = 0.0,
     kept: Array | None = None,
-    accuracy: float = ACCURACY,
+    accuracy: Accuracy = OF_DAMPING,
 ) -> float:
     """The eigenvalue of largest real part; zero if none is positive, NaN if something is not finite.
 
     negligible: growth of the start that is nothing but round-off.
     kept: (n,) vector of an earlier search, or zero; of this one, where it has found any.
-    accuracy: residual at which the search ends, as a share of the value.
+    accuracy: at which the search ends.
     """
     kept = np.zeros(len(start)) if kept is None else kept
 
@@ -259,7 +273,7 @@ def _positive(value: float) -> float:
     return 0.0 if value <= 0.0 else value
 
 
-def _by_arnoldi(operator: _Operator, start: Array, first: Array, found: Array, accuracy: float) -> float:
+def _by_arnoldi(operator: _Operator, start: Array, first: Array, found: Array, accuracy: Accuracy) -> float:
     """Largest real part of an eigenvalue, once its Ritz value has converged; NaN if something is not finite.
 
     first: image of the start.   found: (n,) output, the real part of its vector.
@@ -281,8 +295,8 @@ def _by_arnoldi(operator: _Operator, start: Array, first: Array, found: Array, a
         is_last = k + 1 == most or norm <= ROUND_OFF * size
         if is_last or k + 1 == next_look:
             value, error, vector = _rightmost(hessenberg[: k + 1, : k + 1].T, norm)
-            is_settled = abs(value - before) <= SETTLED * abs(value)
-            if is_last or (is_settled and error <= accuracy * abs(value)):
+            is_settled = abs(value - before) <= accuracy.change * abs(value)
+            if is_last or (is_settled and error <= accuracy.residual * abs(value)):
                 found[:] = vector @ basis[: k + 1]
                 return value
             next_look, before = int(GROWTH * next_look) + 1, value

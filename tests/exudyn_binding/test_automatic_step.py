@@ -34,6 +34,7 @@ from exudyn_inext.run.watch import _errors_of_waves
 from reference_models.inextensible import Inextensible, inextensible_case, solved
 from reference_models.model import quiet_settings, sensor_trajectory, silence
 from reference_models.scenes import load_scene
+from tests.random_scenes import RandomScene
 
 END, PERIOD = 1.0, 0.01
 POSITION = exudyn.OutputVariableType.Position
@@ -440,6 +441,26 @@ def test_a_fast_motion_is_resolved_from_its_start_though_functions_look(spring_o
     fine, _ = spring_of_a_light_rope("", stepSize=PERIOD / 128)
     assert np.abs(path - fine).max() < 0.05 * np.abs(fine).max()
     assert report["drift"]["energyLoss"] < 0.01
+
+
+@pytest.mark.parametrize("seed", [3, 41])
+def test_where_bending_bounds_a_step_among_bodies_the_mass_is_scaled_for_the_motion(seed):
+    """It was scaled for its own step, which had to be half as long: 820 and 660 steps."""
+
+    def run(**explicit):
+        scene = RandomScene(seed)
+        with silence():
+            report = SolveExplicit(scene.mbs, quiet_settings(0.4, 20, 0.02), ExplicitSettings(**explicit))
+        return scene.paths(), report
+
+    path, report = run()
+    bounds, theta = report["bounds"], report["massScaling"]
+    assert report["decidedBy"] == "bending" and report["steps"] <= 380
+    assert 0.3 < theta <= 0.55
+    assert theta * (0.7 * bounds.bending) ** 2 == pytest.approx(0.3 * bounds.accuracy**2, rel=0.04)
+    exact, _ = run(stepSize=report["stepSize"] / 8)
+    size = np.linalg.norm(exact - exact[0], axis=2).max()
+    assert np.sqrt(((path - exact) ** 2).sum(axis=2).mean()) < 2e-3 * size
 
 
 def test_a_mass_scaling_that_is_given_is_taken(swing):

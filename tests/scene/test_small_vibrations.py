@@ -20,7 +20,7 @@ def test_the_largest_eigenvalue_is_found(size):
     for values, expected in ((np.linspace(-3.0, 7.0, size), 7.0), (np.linspace(-3.0, -1.0, size), 0.0)):
         values[-1] = expected if size == 1 else values[-1]
         found = small_vibrations._largest_eigenvalue(*operator(values))
-        assert found == pytest.approx(expected, rel=2 * small_vibrations.ACCURACY)
+        assert found == pytest.approx(expected, rel=2 * small_vibrations.OF_DAMPING.residual)
 
 
 @pytest.mark.parametrize("size", [SIZE, 60])
@@ -30,7 +30,7 @@ def test_the_largest_eigenvalue_is_found_where_vectors_are_not_orthogonal(size):
     apply, start = operator(values)
     scales = np.logspace(0.0, 3.0, size)
     found = small_vibrations._largest_eigenvalue(lambda x: scales * apply(x / scales), start)
-    assert found == pytest.approx(625.0, rel=2 * small_vibrations.ACCURACY)
+    assert found == pytest.approx(625.0, rel=2 * small_vibrations.OF_DAMPING.residual)
 
 
 def test_of_a_few_directions_that_are_stiff_all_are_found():
