@@ -35,22 +35,25 @@ SOUND = 5000.0  # sqrt(E / rho) of steel, aluminium and glass [m/s]
 AIR = 1.0  # [kg/m^3]
 LONG, SLENDER = 100.0, 1e6  # of an element [m]; length over diameter [-]
 HEAVY = 1000.0  # [m/s^2]
+DENSE = 1e7  # [kg/m^3], as soft ropes seem to be
+OF_TONNES_AND_MILLIMETRES = 1e18  # a density for which t, mm and s were taken as kg, m and s [-]
 FREE_FREE = 22.373  # (omega L^2 / sqrt(EI / rho_A)) of the lowest bending vibration
 
 
 def warn_of_units(cable: Cable, gravity: Array) -> None:
     """Warn if no solid round section of a stiff material has these constants, or if elements are huge.
 
-    Not where gravity [m/s^2] is huge: 9810 mm/s^2 say that other units are meant.
+    Not where gravity [m/s^2] is huge: 9810 mm/s^2 say that other units are meant. Where there is none, these
+    may be mm, t and s.
 
     EI / rho_A = E / rho d^2 / 16 gives the diameter d, from which density and slenderness follow.
     """
-    if np.linalg.norm(gravity) > HEAVY:
-        return
-    section, length = cable.section, cable.length
+    weight, section, length = np.linalg.norm(gravity), cable.section, cable.length
     ratio = math.sqrt(section.bending_stiffness / section.mass_per_length)
     diameter = 4.0 * ratio / SOUND
     density = 4.0 * section.mass_per_length / (math.pi * diameter**2)
+    if weight > HEAVY or (weight == 0.0 and AIR < density * OF_TONNES_AND_MILLIMETRES < DENSE):
+        return
     longest = float(cable.element_lengths.max())
     if density < AIR:
         wrong = f"a density of {density:.2g} kg/m^3, less than that of air"

@@ -28,6 +28,7 @@ from .mover import together
 from .paced_run import PacedRun
 from .redundancy import PULLED, held_straight
 from .step_control import MOST_PARTS, FrequencyFollower, Piece, StepControl, StepRule
+from .watch import ENERGY, JUMP, LACK_OF_WORK, NOT_FINITE, UNSTABLE
 
 STEPS_BETWEEN_LOOKS = 128  # at the frequency, which costs as much as some 20 evaluations
 FEWEST_BETWEEN_LOOKS, MOST_BETWEEN_LOOKS = 8, 32  # where outputs are as close as steps
@@ -35,6 +36,8 @@ TIGHTER = 1.25  # times the tension for which the limit is known: another look a
 SLOW_WAVES = 0.01  # tension over rho_A l^2, times h^2: its waves bound no step; at some 0.1 they do
 STEPS_BETWEEN_TENSIONS = 32  # two looks at them, more at the beginning
 LARGEST_SHARE, SHARE = 0.85, 0.7  # of the limit then: of steps that stay as they are, and of shorter ones
+OF_TOO_LONG_STEPS = ENERGY, JUMP, NOT_FINITE, UNSTABLE, LACK_OF_WORK  # troubles that these may cause
+SLOWED = 2.0  # times a step that damping bounds is what holds without it
 SMALLEST_SHARE = 0.3  # of steps that became short for contacts, and may be longer again
 
 
@@ -208,7 +211,7 @@ class LimitedRun(PacedRun):
             smaller = "If the motion before that is wrong, reduce stepSize."
             parts = filter(None, (self._unsolvable, self.known_cause(time), smaller))
             return f"{self.name}: {' '.join(parts)}"
-        limit, scaled = self._limit_now(time), any(run.is_scaled for run in self._runs)
+        limit, scaled = self._limits_now(time)[0], any(run.is_scaled for run in self._runs)
         said = self.known_cause(time) or explanation(
             self.integrator, self.trouble, self.control.present, limit, scaled
         )
@@ -267,6 +270,24 @@ class LimitedRun(PacedRun):
             )
         return self.control.divisor > divisor
 
+    def outran_limit(self, time: float) -> bool:
+        """See `PacedRun.outran_limit`: functions of springs may damp in some states alone."""
+        may = self.watch.may_shorten and isinstance(self.mover, MovedByExudyn) and not self.control.follower
+        if not (may and self.watch.trouble in OF_TOO_LONG_STEPS):
+            return False
+        limit, undamped, damping = self._limits_of_motion(time)
+        share, divisor = self.control.largest / limit, self.control.divisor
+        if share <= LARGEST_SHARE or undamped <= SLOWED * limit:
+            return False
+        parts = math.ceil(min(divisor * share / SHARE, MOST_PARTS))
+        self.control.divide_for_waves(parts, self.control.tension)
+        self._outrun = (
+            f"from t = {time:.4g} s on damping of {damping:.3g} 1/s at {self.name} bounds the step to "
+            f"{limit:.3g} s, where {undamped:.3g} s hold without it: forces that Exudyn evaluates, as by "
+            "user functions, are explicit; let these damp less, or act on heavier parts."
+        )
+        return True
+
     def _is_tighter(self, tension: float, h: float) -> bool:
         """Whether cables that stretch are pulled so much tighter that the limit must be found again."""
         bounds = max(TIGHTER * self.control.tension, SLOW_WAVES / h**2)
@@ -291,21 +312,28 @@ class LimitedRun(PacedRun):
         return h <= LARGEST_SHARE * self._limit_of_motion(time)
 
     def _limit_of_motion(self, time: float) -> float:
-        """Stability limit [s] of the present state, from which the run then goes on."""
+        return self._limits_of_motion(time)[0]
+
+    def _limits_of_motion(self, time: float) -> tuple[float, float, float]:
+        """As `_limits_now`, of the present state, from which the run then goes on."""
         state = super().present_state()
         self._fastest[0] = 0.0  # a search that does not depend on earlier ones, for restart files
-        limit = self._limit_now(time)
+        limits = self._limits_now(time)
         state.restore()
         self.resume(time)
-        return limit
+        return limits
 
-    def _limit_now(self, time: float) -> float:
-        """Stability limit [s] in the state of the last inspection; infinite if there is none."""
+    def _limits_now(self, time: float) -> tuple[float, float, float]:
+        """In the state of the last inspection: stability limit [s], that without damping, damping [1/s].
+
+        Infinite if there are none.
+        """
         rates = self._rates_at(time, in_motion=True)
         if not rates.frequency > 0.0:
-            return np.inf
-        ratio = rates.damping / rates.frequency
-        return frequency_limit(self.integrator, self.scheme, ratio) / rates.frequency
+            return np.inf, np.inf, 0.0
+        ratios = rates.damping / rates.frequency, 0.0
+        with_damping, without = (frequency_limit(self.integrator, self.scheme, ratio) for ratio in ratios)
+        return with_damping / rates.frequency, without / rates.frequency, rates.damping
 
     @property
     def _place(self) -> str:

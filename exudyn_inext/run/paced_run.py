@@ -161,7 +161,7 @@ class PacedRun:
         step = self.watch.resolving_step
         if self.integrator.stabilised:
             return "take integrator='RATTLE', or a smaller stepSize"
-        if 0.0 < step < self.control.present * self.control.divisor:  # with which it began
+        if 0.0 < step < self.control.present * self.control.divisor / self.control.waves:  # that of the start
             return f"take stepSize = {step:.2g}, which resolves axial vibrations"
         return "take a smaller stepSize"
 
@@ -338,7 +338,9 @@ class PacedRun:
             self.resume(time)
             return False
         is_shortened = watch.trouble == TOO_FAST or (watch.hides_energy and self._may_hide)
-        if is_shortened:
+        if self.outran_limit(time):
+            is_shortened = True
+        elif is_shortened:
             self.control.shorten(watch.parts)
             if not self.control.may_shorten:
                 watch.end_shortening()
@@ -352,6 +354,13 @@ class PacedRun:
         if not begins and watch.stretches and watch.hides_energy:
             self._leave_out_waves(time)
         return is_shortened
+
+    def outran_limit(self, time: float) -> bool:
+        """Whether steps went wrong as forces bound them that nobody knew before; they are shorter then.
+
+        time: of the state before them [s].
+        """
+        return False
 
     def _leave_out_waves(self, time: float) -> None:
         """Leave out axial vibrations that the steps did not resolve: shorter ones would free what they hide.

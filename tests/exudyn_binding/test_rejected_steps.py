@@ -10,6 +10,7 @@ import pytest
 from exudyn.itemInterface import (
     CartesianSpringDamper,
     CoordinateConstraint,
+    LoadForceVector,
     MarkerBodyPosition,
     MarkerNodeCoordinate,
     MarkerNodePosition,
@@ -18,6 +19,7 @@ from exudyn.itemInterface import (
     ObjectContactCoordinate,
     SensorNode,
     SphericalJoint,
+    SpringDamper,
 )
 
 from exudyn_inext import (
@@ -76,6 +78,42 @@ def test_a_spring_that_tears_a_light_rope_away_is_met_with_smaller_steps():
     expected, fine = torn(stepSize=2e-6)
     assert report["steps"] < fine["steps"]
     np.testing.assert_allclose(found, expected, atol=0.02)  # it has moved by 0.66 m
+
+
+def hooked(damping, law):
+    """Report of a rope that a spring of this law pulls tight; nothing is stressed at the start."""
+    mbs = exudyn.SystemContainer().AddSystem()
+    section = InextensibleCable(massPerLength=0.1, bendingStiffness=0.01, axialStiffness=2e4)
+    pinned = {"groundConstraintsStart": [True, True, False, False], "gravity": [0, -9.81, 0]}
+    rope = CreateInextensibleCable(mbs, [0, 0, 0], [1, 0, 0], 4, section, **pinned)
+    load = mbs.CreateMassPoint(referencePosition=[1.2, 0, 0], mass=5.0, create2D=True, returnDict=True)
+    ends = [mbs.AddMarker(MarkerNodePosition(nodeNumber=n)) for n in (rope["nodes"][-1], load["nodeNumber"])]
+    spring = {"referenceLength": 0.2, "stiffness": 2e3, "damping": damping, "springForceUserFunction": law}
+    mbs.AddObject(SpringDamper(markerNumbers=ends, **spring))
+    mbs.AddLoad(LoadForceVector(markerNumber=ends[1], loadVector=[20, 0, 0]))
+    mbs.Assemble()
+    return SolveExplicit(mbs, quiet_settings(0.1, 25))
+
+
+def damps_in_tension(mbs, t, item, stretch, velocity, stiffness, damping, force):
+    return stiffness * stretch + damping * velocity if stretch > 0 else 0.0
+
+
+def damps_always(mbs, t, item, stretch, velocity, stiffness, damping, force):
+    return damping * velocity + (stiffness * stretch if stretch > 0 else 0.0)
+
+
+@pytest.mark.parametrize("damping", [20.0, 80.0])
+def test_steps_are_stable_where_a_function_damps_in_some_states_alone(damping):
+    """At the start it does not, so that nobody knows; halved steps were too short, or not short enough."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="damping of")
+        known = hooked(damping, damps_always)
+    with pytest.warns(UserWarning, match=r"from t = .* s on damping of .* 1/s .* by user functions"):
+        report = hooked(damping, damps_in_tension)
+    assert report["bounds"].stability_limit > 4 * known["bounds"].stability_limit
+    assert report["stepSize"] == pytest.approx(known["stepSize"], rel=0.05)
+    assert report["rejections"] == 0
 
 
 @pytest.mark.parametrize("seed", VIOLENT)

@@ -38,11 +38,19 @@ def test_lengths_in_millimetres_are_named():
         create(1800.0, 0.08665, 10)
 
 
-def test_millimetres_tonnes_and_seconds_are_not_warned_of():
-    """The rod of the paper: 1 kg/m = 1e-6 t/mm, 1 N m^2 = 1e6 N mm^2."""
+@pytest.mark.parametrize("gravity", [9810.0, 0.0])
+def test_millimetres_tonnes_and_seconds_are_not_warned_of(gravity):
+    """The rod of the paper: 1 kg/m = 1e-6 t/mm, 1 N m^2 = 1e6 N mm^2. And a string of a violin."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        create(1800.0, 86650.0, 10, mass=0.03477e-6, gravity=9810.0)
+        create(1800.0, 86650.0, 10, mass=0.03477e-6, gravity=gravity)
+        create(330.0, 1.0, 16, mass=0.7e-9, gravity=gravity)
+
+
+@pytest.mark.parametrize("length, stiffness, mass", [(1.8, 86650.0, 0.03477), (1800.0, 86650.0, 0.03477)])
+def test_without_gravity_mixed_units_are_named_all_the_same(length, stiffness, mass):
+    with pytest.warns(UserWarning, match="Check the units"):
+        create(length, stiffness, 10, mass, gravity=0.0)
 
 
 REAL = {
