@@ -1,5 +1,6 @@
 """SolveEnsemble: many parameter sets of one scene in one call, over all cores."""
 
+import math
 import os
 import sys
 import threading
@@ -93,7 +94,7 @@ def SolveEnsemble(
     builders = all_systems(systems, parameters)
     time = require_finite("timeIntegration.startTime", settings.timeIntegration.startTime, "s")
     duration = float(settings.timeIntegration.endTime) - time
-    members = read_members(builders, time, duration, h, explicit)
+    members = read_members(builders, time, duration, h, explicit, _grid(settings, math.inf, math.inf).h)
     silent = settings.timeIntegration.verboseMode < 1
     with compile_notice(settings):
         if smallest is None:  # outputs at every step are those of the shortest one

@@ -56,13 +56,19 @@ def all_systems(systems: Any, parameters: Iterable[Any] | None) -> list[Callable
 
 
 def read_members(
-    builders: Iterable[Callable[[], Any]], time: float, duration: float, h: float, explicit: ExplicitSettings
+    builders: Iterable[Callable[[], Any]],
+    time: float,
+    duration: float,
+    h: float,
+    explicit: ExplicitSettings,
+    longest: float,
 ) -> Iterator[Member]:
     """All members, one after the other, ready to start.
 
     Args:
         builders: see `all_systems`.   time: of the start [s].   duration: of the run [s].
         h: given step that scales the mass [s]; 0 without it.   explicit: settings.
+        longest: step that outputs allow [s].
 
     Raises:
         InputError: members of different numbers of coordinates.
@@ -74,7 +80,7 @@ def read_members(
         with _naming(number):
             mbs = mbs_of()
             with _naming_warnings(number):
-                member = _member(mbs, time, duration, h, explicit)
+                member = _member(mbs, time, duration, h, explicit, longest)
             first = first or member
             size, wanted = len(member.reference), len(first.reference)
             if size != wanted:
@@ -82,9 +88,11 @@ def read_members(
         yield member
 
 
-def _member(mbs: Any, time: float, duration: float, h: float, explicit: ExplicitSettings) -> Member:
-    runs = _runs(mbs, time, h, explicit)
-    choice = choose_step(runs, time, duration, explicit, h, is_told=not explicit.allowUnstableStep)
+def _member(
+    mbs: Any, time: float, duration: float, h: float, explicit: ExplicitSettings, longest: float
+) -> Member:
+    runs, is_told = _runs(mbs, time, h, explicit), not explicit.allowUnstableStep
+    choice = choose_step(runs, time, duration, explicit, h, is_told=is_told, longest=longest)
     reference = mbs.systemData.GetODE2Coordinates(exudyn.ConfigurationType.Reference)
     return Member(runs, np.asarray(reference), choice)
 

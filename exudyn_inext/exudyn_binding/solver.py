@@ -23,7 +23,7 @@ from ..run.loop_clock import LoopClock
 from ..run.output_files import ResumedOutputs, require_writable_outputs
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import choose_step, warn_of_damping, warn_of_many_steps, warn_of_outputs
-from ..run.time_grid import TimeGrid, time_grid
+from ..run.time_grid import TimeGrid, loop_interval, time_grid
 from .axial_check import axial_findings, warn_of_axial_findings
 from .bend_check import largest_turns, warn_of_turns
 from .cable_forces import shared_evaluators
@@ -214,8 +214,9 @@ def _solve(
         log.is_followed = is_watched(mbs, runs)
         duration = float(settings.timeIntegration.endTime) - start
         scaled = bounds_if_scaled(mbs, scene, start, given.h if given else 0.0, explicit)
-        damps = restarts.damps_implicitly
-        choice = choose_step(runs, start, duration, explicit, scaling, scaled, damps_implicitly=damps)
+        of_run = runs, start, duration, explicit
+        damps, allowed = restarts.damps_implicitly, loop_interval(mbs, settings)
+        choice = choose_step(*of_run, scaling, scaled, damps_implicitly=damps, longest=allowed)
         if choice.h > longest:
             choice = replace(choice, h=longest, decided_by="axial vibrations")
         bounds, explicit = choice.bounds, choice.explicit

@@ -1,5 +1,6 @@
 """ExplicitStepper: an mbs with cables, step by step, for hardware in the loop and co-simulation."""
 
+import math
 from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import replace
@@ -92,7 +93,8 @@ class ExplicitStepper:
         given = steps_of_interval(interval, explicit.stepSize, MOST_STEPS)[1] if explicit.stepSize else 0.0
         where = "between the steps of a stepper"
         runs = compiled_runs(mbs, start, given, explicit, "ExplicitStepper", where)
-        choice = choose_step(runs, start, duration, explicit, given if explicit.massScaling else 0.0)
+        scaling, longest = given if explicit.massScaling else 0.0, interval or math.inf
+        choice = choose_step(runs, start, duration, explicit, scaling, longest=longest)
         choice = shorten_for_stretch(runs, choice)
         warn_of_damping(choice, duration)
         self.bounds, self.massScaling = choice.bounds, choice.theta

@@ -124,6 +124,7 @@ def choose_step(
     scaled: Callable[[], StepSizeBounds] | None = None,
     is_told: bool = True,
     damps_implicitly: bool | None = None,
+    longest: float = math.inf,
 ) -> StepChoice:
     """The step of the runs of a scene.
 
@@ -132,6 +133,7 @@ def choose_step(
         taken: step that will be taken, where the bounds depend on it (mass scaling) [s]; 0: the given one.
         scaled: see `step_above_limit`.   is_told: whether a given step that is too large is told of.
         damps_implicitly: whether dashpots of springs are implicit; None: if the step asks for it.
+        longest: step that outputs allow [s]: the mass is scaled for no longer one.
 
     Raises:
         StepSizeError: the given step is above the stability limit.
@@ -139,7 +141,7 @@ def choose_step(
     is_automatic = explicit.stepSize is None and not explicit.massScaling
     if is_automatic and any(run.has_states for run in runs if isinstance(run, CoupledRun)):
         explicit = replace(explicit, adaptiveStep=True)
-    given = runs, start, duration, explicit
+    given = runs, start, duration, explicit, longest
     bounds, explicit = _bounds_and_scaling(*given)
     is_slowed = _is_slowed(bounds, explicit, taken) if damps_implicitly is None else damps_implicitly
     if is_slowed and damp_implicitly(runs, bounds.bending):
@@ -194,7 +196,7 @@ def require_stable(
 
 
 def _bounds_and_scaling(
-    runs: Sequence[Run], start: float, duration: float, explicit: ExplicitSettings
+    runs: Sequence[Run], start: float, duration: float, explicit: ExplicitSettings, longest: float
 ) -> tuple[StepSizeBounds, ExplicitSettings]:
     """Bounds of the step, and the settings with the mass scaling that it needs."""
     cables = [cable for run in runs for cable in run.cable_runs]
@@ -213,8 +215,8 @@ def _bounds_and_scaling(
         of_others = (step for run in runs for step in (_step_of_states(run, start), _step_of_rubbing(run)))
         accuracy = min(accuracy, of_bending, *of_others)
     theta = _mass_scaling(cables, accuracy, explicit, usual)
-    most = MOST_THETA if explicit.massScaling is None else theta
-    bounds, theta = _scaled_bounds(runs, start, replace(explicit, massScaling=theta), accuracy, most)
+    step, most = min(accuracy, longest), MOST_THETA if explicit.massScaling is None else theta
+    bounds, theta = _scaled_bounds(runs, start, replace(explicit, massScaling=theta), accuracy, step, most)
     for run in runs:
         mesh = resolution_of_mesh(run, start, theta)
         run.watch.limit_phase(min(duration, MOST_DURATION), PHASE, mesh, small_error(run))
@@ -222,7 +224,12 @@ def _bounds_and_scaling(
 
 
 def _scaled_bounds(
-    runs: Sequence[Run], start: float, explicit: ExplicitSettings, accuracy: float, most: float
+    runs: Sequence[Run],
+    start: float,
+    explicit: ExplicitSettings,
+    accuracy: float,
+    step: float,
+    most: float,
 ) -> tuple[StepSizeBounds, float]:
     """Bounds of the step, and theta of the mass that is scaled for the largest one that they allow.
 
@@ -232,9 +239,10 @@ def _scaled_bounds(
     `undamped` is that of the largest step which its own mass allows without damping: damping makes steps
     shorter, and with them scaled masses lighter.
 
-    accuracy: step that resolves the motion [s].   most: theta.
+    accuracy: step that resolves the motion [s].   step: that, or the longest one between outputs, if that is
+        shorter [s].   most: theta.
     """
-    step, theta, undamped = accuracy, explicit.massScaling or 0.0, 0.0
+    theta, undamped = explicit.massScaling or 0.0, 0.0
     for _ in range(MOST_TRIALS):
         _scale_mass(runs, theta, step)
         bounds = step_bounds(runs, start, explicit, accuracy)

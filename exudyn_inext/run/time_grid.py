@@ -66,6 +66,11 @@ def time_grid(mbs: Any, settings: Any, wanted: float) -> TimeGrid:
     return grid_of_period(settings, wanted, period)
 
 
+def loop_interval(mbs: Any, settings: Any) -> float:
+    """Of the loop, if no step of the integrator had to be shorter [s]; see `time_grid`."""
+    return time_grid(mbs, settings, math.inf).h
+
+
 def grid_of_period(settings: Any, wanted: float, period: float) -> TimeGrid:
     """The grid of `time_grid` for outputs at a given period [s]; 0: at every step of the integrator.
 

@@ -162,11 +162,7 @@ def _operators(
     has_jumps = None
 
     def accelerated(q: Array, v: Array, force: Array | float = 0.0) -> Array:
-        """Accelerations, and velocities projected onto the constraints.   force: (n,) added.
-
-        Accelerations of places on the constraints differ by directions along them, but for the accelerations
-        at present over lengths: so much is nothing beside the fastest vibrations.
-        """
+        """Accelerations, and velocities projected onto the constraints.   force: (n,) added."""
         result = np.zeros((2, len(q)))
         if added:
             added.given[:] = force
@@ -174,6 +170,7 @@ def _operators(
         return result
 
     def stiffness(x: Array) -> Array:
+        """Along constraints, but for present accelerations over lengths: nothing beside the fastest ones."""
         move, force = STEP * x, STEP * added.stiffness(x) if added else 0.0
         before, after = (accelerated(q + s * move, v, at_present - s * force)[0] for s in (-1.0, 1.0))
         return np.asarray(before - after) / (2.0 * STEP)

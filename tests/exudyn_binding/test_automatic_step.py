@@ -447,10 +447,10 @@ def test_a_fast_motion_is_resolved_from_its_start_though_functions_look(spring_o
 def test_where_bending_bounds_a_step_among_bodies_the_mass_is_scaled_for_the_motion(seed):
     """It was scaled for its own step, which had to be half as long: 820 and 660 steps."""
 
-    def run(**explicit):
-        scene = RandomScene(seed)
+    def run(period=0.02, **explicit):
+        scene, settings = RandomScene(seed), quiet_settings(0.4, 20, period)
         with silence():
-            report = SolveExplicit(scene.mbs, quiet_settings(0.4, 20, 0.02), ExplicitSettings(**explicit))
+            report = SolveExplicit(scene.mbs, settings, ExplicitSettings(**explicit))
         return scene.paths(), report
 
     path, report = run()
@@ -461,6 +461,8 @@ def test_where_bending_bounds_a_step_among_bodies_the_mass_is_scaled_for_the_mot
     exact, _ = run(stepSize=report["stepSize"] / 8)
     size = np.linalg.norm(exact - exact[0], axis=2).max()
     assert np.sqrt(((path - exact) ** 2).sum(axis=2).mean()) < 2e-3 * size
+    _, often = run(period=4e-4)
+    assert often["massScaling"] == 0.3 and often["decidedBy"] == "output period"
 
 
 def test_a_mass_scaling_that_is_given_is_taken(swing):
