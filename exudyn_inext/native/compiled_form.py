@@ -9,9 +9,10 @@ from ..arrays import Array
 from ..items.functions_of_time import step_functions
 from ..multibody.build import build_scene, held_coordinates
 from ..multibody.scene import subtract_inertia_forces
-from ..run.compiled_scene import CompiledScene, SceneLoads, cables_of_scene
+from ..run.compiled_scene import CompiledScene, cables_of_scene
 from ..run.load_functions import LoadFunctions, StateFunctions
 from ..run.parts_in_one import CompiledParts
+from ..run.scene_loads import SceneLoads
 from ..scene.bodies import bodies_rates
 from .evaluated_scene import SceneOfExudyn
 from .joint_rows import JointRows
