@@ -1,8 +1,5 @@
 """Some states of a run, kept so that it can be judged after its end: a step costs nothing."""
 
-from functools import cached_property
-from typing import Any
-
 import numpy as np
 
 from ..arrays import Array
@@ -24,10 +21,13 @@ class KeptStates:
         self.run = run
         self.start = run.state.q[: len(run.indices)] - run.reference
         self.begins_unstretched = begins_unstretched
-        self._most = 2 * min(KEPT, max(1, MOST_NUMBERS // (4 * len(run.indices))))
+        size = len(run.indices)
+        self._most = 2 * min(KEPT, max(1, MOST_NUMBERS // (4 * size)))
         self._every = 1  # intervals between two states
-        self._blocks: list[tuple[Any, ...]] = []  # numbers of intervals, and what `all` returns
         self._number = 0
+        self._intervals = np.zeros(self._most + 1, np.int64)  # before the states
+        self._times, self._steps = np.zeros((2, self._most + 1))
+        self._states = np.empty((self._most + 1, 2, size))
 
     def __len__(self) -> int:
         return self._number
@@ -37,27 +37,28 @@ class KeptStates:
         while self._number + len(history) // self._every > self._most:
             self._leave_out_half()
         offset = -first % self._every
-        if offset < len(history):
-            rows = np.arange(offset, len(history), self._every)
-            steps = self.run.steps_before(len(history))[rows]
-            self._blocks.append((first + rows, grid.times(first + rows + 1), steps, history[rows, :2]))
-            self._number += len(rows)
+        if offset >= len(history):
+            return
+        found = history[offset :: self._every, :2]
+        own = slice(self._number, self._number + len(found))
+        self._intervals[own] = range(first + offset, first + len(history), self._every)
+        self._times[own] = grid.times(self._intervals[own] + 1)
+        self._steps[own] = self.run.steps_before(len(history))[offset :: self._every]
+        self._states[own] = found
+        self._number = own.stop
 
     def _leave_out_half(self) -> None:
         self._every *= 2
-        kept = [block[0] % self._every == 0 for block in self._blocks]
-        self._blocks = [
-            tuple(part[some] for part in block)
-            for some, block in zip(kept, self._blocks, strict=True)
-            if some.any()
-        ]
-        self._number = sum(map(np.count_nonzero, kept))
+        rows = np.flatnonzero(self._intervals[: self._number] % self._every == 0)
+        self._number = len(rows)
+        for memory in (self._intervals, self._times, self._steps, self._states):
+            memory[: len(rows)] = memory[rows]
 
-    @cached_property
+    @property
     def all(self) -> tuple[Array, Array, Array]:
         """Of a run that is over: times (k,), steps before them (k,) [s], places and velocities (k, 2, n)."""
-        _, times, steps, states = map(np.concatenate, zip(*self._blocks, strict=True))
-        return times, steps, states
+        number = self._number
+        return self._times[:number], self._steps[:number], self._states[:number]
 
     def nodes(self, cable: int, displacements: Array) -> Array:
         """(T, n, 2, dim) positions and slopes of one of the cables.   displacements: (T, n) of all."""

@@ -1,12 +1,11 @@
 """Numbers of springs, loads and their points that change along a line while steps are taken."""
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import inlined
+from ..compiled import inlined, kernel
 
 CONNECTORS, LINEAR_FORCES, LOADS, POINTS = range(4)
 
@@ -37,24 +36,54 @@ def ramps_of(*records: Any) -> Ramps:
     return Ramps(connectors, linear_forces, loads, points, number, kind, place, before, value)
 
 
-def with_ramps(ramps: Ramps, found: Sequence[tuple[int, Any, Any, Any]]) -> Ramps:
-    """The same ones, or such with more memory, with these numbers.
+def with_room(ramps: Ramps, number: int) -> Ramps:
+    """The same ones, or such with memory for so many numbers."""
+    if number <= len(ramps.kind):
+        return ramps
+    (kind, place), (before, value) = np.zeros((2, 2 * number), np.int64), np.zeros((2, 2 * number))
+    return ramps._replace(kind=kind, place=place, before=before, value=value)
 
-    found: kind; (k,) places, values before, values.
+
+class Numbers(NamedTuple):
+    """kind, place: (K,) of which records, and where among them.   before: (K,) memory for their values."""
+
+    kind: np.ndarray
+    place: np.ndarray
+    before: Array
+
+
+@kernel
+def note_numbers(ramps, kind, place, before):
+    """Write the present values of `Numbers` to `before`."""
+    for k in range(len(kind)):
+        before[k] = _number(ramps, kind[k], place[k])
+
+
+@kernel
+def begin_ramps(ramps, kind, place, before):
+    """Let those of `Numbers` that are not what they were `before` change along lines.
+
+    Places of whole numbers, such as -1, are no number when they are read as a real one.
     """
-    number = sum(len(places) for _, places, _, _ in found)
-    if number > len(ramps.kind):
-        (kind, place), (before, value) = np.zeros((2, 2 * number), np.int64), np.zeros((2, 2 * number))
-        ramps = ramps._replace(kind=kind, place=place, before=before, value=value)
-    first = 0
-    for records, *columns in found:
-        rows = slice(first, first + len(columns[0]))
-        ramps.kind[rows] = records
-        for memory, own in zip((ramps.place, ramps.before, ramps.value), columns, strict=True):
-            memory[rows] = own
-        first = rows.stop
+    number = 0
+    for k in range(len(kind)):
+        value = _number(ramps, kind[k], place[k])
+        if value != before[k] and value == value:
+            ramps.kind[number], ramps.place[number] = kind[k], place[k]
+            ramps.before[number], ramps.value[number] = before[k], value
+            number += 1
     ramps.number[0] = number
-    return ramps
+
+
+@inlined
+def _number(ramps, kind, place):
+    if kind == CONNECTORS:
+        return ramps.connectors[place]
+    if kind == LINEAR_FORCES:
+        return ramps.linear_forces[place]
+    if kind == LOADS:
+        return ramps.loads[place]
+    return ramps.points[place]
 
 
 @inlined

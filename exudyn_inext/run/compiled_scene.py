@@ -20,7 +20,7 @@ from ..multibody.build import copied, held_coordinates, with_dashpots
 from ..multibody.cables import Cables, cables_in_a_row, provide_cables
 from ..multibody.implicit_contacts import implicit_parameters
 from ..multibody.joints import Joints
-from ..multibody.ramps import Ramps, with_ramps
+from ..multibody.ramps import Numbers, Ramps, begin_ramps, note_numbers, with_room
 from ..multibody.scene import (
     ALL_BUT_FIRST,
     AS_PRESSED,
@@ -108,6 +108,7 @@ class CompiledScene:
         self._spins, self._set_spins = np.zeros(len(system.items.force)), Prepared(set_energies_of_spins)
         self._rates_of_cables = [Bound(index_reduced_rates, own) for _, own, _ in cables]
         self._find_violated = Prepared(_violated)
+        self._note_numbers, self._begin_ramps = Prepared(note_numbers), Prepared(begin_ramps)
         self.forces = system.items.force
         self.given, self.data = system.items.given, system.items.data
         self.history = system.items.history
@@ -122,6 +123,7 @@ class CompiledScene:
         self._violation = partial(Prepared(joint_violation), at)
         self.subtract_joint_forces = partial(Prepared(subtract_joint_forces), at)
         self._called: Any = None
+        self.__dict__.pop("_ramps", None)
 
     def provide(self, calls: tuple[Any, ...]) -> None:
         """Compile what an integrator calls, see `Integrator`."""
@@ -247,19 +249,27 @@ class CompiledScene:
 
         line: that one; None: they jump.
         """
-        ramps, ramp = self.system.items.ramps, self.loads.ramp
-        ramps.number[0] = 0
-        places = (
-            self.numbers.places_of(tuple(k for k in changed if k in line.before)) if line and ramp else ()
-        )
-        before = [ramps[kind][own] for kind, own in places]
+        self.system.items.ramps.number[0] = 0
+        ramp = self.loads.ramp
+        numbers = self._numbers_along(line, changed) if line and ramp else None
+        if numbers:
+            self._note_numbers(self._ramps, *numbers)
         if not all(starmap(self.take_over, changed.items())):
             return False
-        if line and ramp and places:
+        if numbers and line and ramp:
             ramp.begin(*line.step)
-            found = [_changes(ramps, kind, own, was) for (kind, own), was in zip(places, before, strict=True)]
-            self._set_ramps(with_ramps(ramps, found))
+            self._begin_ramps(self._ramps, *numbers)
         return True
+
+    def _numbers_along(self, line: Line, changed: Mapping[Any, Any]) -> Numbers | None:
+        """Those that follow parameters which change along the line; None: there are none."""
+        numbers = self.numbers.places_of(tuple(key for key in changed if key in line.before))
+        self._set_ramps(with_room(self.system.items.ramps, len(numbers.kind)))
+        return numbers if len(numbers.kind) else None
+
+    @cached_property
+    def _ramps(self) -> Any:
+        return placed(self.system.items.ramps)
 
     @property
     def ramp(self) -> dict[str, list[Any]]:
@@ -270,12 +280,15 @@ class CompiledScene:
 
     def take_ramp(self, kept: Mapping[str, Any]) -> None:
         """See `CableRun.take_ramp`."""
-        ramp, ramps = self.loads.ramp, self.system.items.ramps
+        ramp = self.loads.ramp
         if ramp:
             ramp.begin(*kept.get("step", NO_STEP))
-            numbers = zip(*kept.get("numbers", ()), strict=True)
-            found = [(kind, [place], [before], [value]) for kind, place, before, value in numbers]
-            self._set_ramps(with_ramps(ramps, found))
+            numbers = kept.get("numbers", [[]])
+            self._set_ramps(with_room(self.system.items.ramps, len(numbers[0])))
+            ramps = self.system.items.ramps
+            ramps.number[0] = len(numbers[0])
+            for memory, own in zip(ramps[-4:], numbers, strict=False):
+                memory[: len(own)] = own
 
     def _set_ramps(self, ramps: Ramps) -> None:
         if ramps is not self.system.items.ramps:
@@ -548,13 +561,6 @@ def _violated(values, rows, others, tolerance, left):
     for row in others:
         can_move = can_move and abs(values[row]) <= tolerance
     return can_move
-
-
-def _changes(ramps: Ramps, kind: int, places: np.ndarray, before: Array) -> tuple[int, Any, Array, Array]:
-    """Which of these numbers have changed: kind; places, values before, values."""
-    now = ramps[kind][places]
-    own = (now.view(np.int64) != before.view(np.int64)).nonzero()
-    return kind, places[own], before[own], now[own]
 
 
 def off_cable(name: str, beyond: float, at_start: bool) -> OffCableError:

@@ -57,6 +57,7 @@ class ChangeFollower:
         self._line: Line | None = None  # along which they change there, if it matters
         self._demands: dict[Parameter, Demand] = {}  # of the present runs
         self._sorted: tuple[Any, ...] = ()  # what was asked of these last, see `_sort`
+        self._repeated: tuple[Parameter, ...] = ()  # loads that alone have changed before the last step
 
     def take_step(self, explicit: ExplicitSettings, h: float) -> None:
         """Other runs, and the limit of the step, are for steps of h [s] from now on."""
@@ -101,10 +102,12 @@ class ChangeFollower:
         """
         changed, is_new = self.log.take(time, end)
         self.is_event = is_new or not changed
+        if not (self.is_event or jumps) and self._load_again(runs, changed, time, end):
+            return runs
+        self._repeated = ()
         may_ramp = all(run.loads.follows for run in _alone(runs))
         self._jumps = self.is_event or jumps or not may_ramp
-        is_needed = not all(run.has_mean_forces(end - time) for run in runs)
-        self._line = Line(time, end, self.log.before) if is_needed and not self._jumps else None
+        self._line = None if self._jumps else self._line_until(runs, time, end)
         for run in runs if changed else ():
             run.control.look_soon()
         self.limit.notice(changed, time, end)
@@ -118,6 +121,25 @@ class ChangeFollower:
             runs = self._followed(runs, changed, time, end)
         self.moves = self._is_moving([run for run in runs if isinstance(run, CoupledRun)])
         return runs
+
+    def _line_until(self, runs: Sequence[Run], time: float, end: float) -> Line | None:
+        """Along which values get to what was taken last; None: it does not matter."""
+        has_mean = all(run.has_mean_forces(end - time) for run in runs)
+        return None if has_mean else Line(time, end, self.log.before)
+
+    def _load_again(
+        self, runs: Sequence[Run], changed: Mapping[Parameter, Any], time: float, end: float
+    ) -> bool:
+        """Whether the same loads as before the last step have other values, and nothing else has changed."""
+        if tuple(changed) != self._repeated or self.moves or self.limit.is_due(time):
+            return False
+        if self._has_jumped(runs, time):
+            return False
+        take_forces(self.sensors, {})
+        line = self._line_until(runs, time, end)
+        for run in runs:
+            run.control.look_soon()
+        return all([run.mover.take_values(changed, line) for run in runs if isinstance(run, CoupledRun)])
 
     def require_all_seen(self, runs: Sequence[Run]) -> None:
         """At the end: mbs must contain what the runs have moved.
@@ -170,6 +192,8 @@ class ChangeFollower:
             return False
         for run in coupled if most == Demand.BEGIN else ():
             start_after_jump(run, run.begin_again, time)
+        if items == list(changed) and all(key.kind == "Load" for key in changed):
+            self._repeated = tuple(changed)
         return True
 
     def _move_on(

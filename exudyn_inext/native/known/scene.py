@@ -3,8 +3,6 @@
 from collections.abc import Collection, Sequence, Set
 from contextlib import nullcontext, suppress
 from functools import cache, cached_property, lru_cache, partial
-from itertools import groupby
-from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -19,7 +17,7 @@ from ...multibody.connectors import CONNECTOR
 from ...multibody.linear_forces import LINEAR_FORCE
 from ...multibody.loads import LOAD
 from ...multibody.points import POINT
-from ...multibody.ramps import CONNECTORS, LINEAR_FORCES, LOADS, POINTS
+from ...multibody.ramps import CONNECTORS, LINEAR_FORCES, LOADS, POINTS, Numbers
 from ...multibody.scene import Items
 from ...run.compiled_scene import ChangedItem
 from ...run.load_functions import Asked
@@ -261,14 +259,12 @@ class KnownNumbers:
             return False
         return is_known and self._reader.number_of_points == len(memories[0].points)
 
-    def _places_of(self, items: Sequence[ChangedItem]) -> list[tuple[int, np.ndarray]]:
-        """Kinds and places (k,) of the numbers of records that follow parameters, if nothing else does.
-
-        As `multibody.ramps` has them.
-        """
+    def _places_of(self, items: Sequence[ChangedItem]) -> Numbers:
+        """Numbers of records that follow parameters, if nothing else does."""
         rows = sorted({row for item in items for row in self._rows_of(item)})
-        alike = groupby(rows, itemgetter(0))
-        return [(kind, np.concatenate([np.arange(*own) for _, *own in found])) for kind, found in alike]
+        found = [(kind, place) for kind, first, end in rows for place in range(first, end)]
+        kind, place = np.array(found, np.int64).reshape(-1, 2).T.copy()
+        return Numbers(kind, place, np.zeros(len(found)))
 
     def _rows_of(self, item: ChangedItem) -> list[tuple[int, int, int]]:
         """Kind, first and end of the numbers that follow a parameter."""
