@@ -55,19 +55,21 @@ class _Step(NamedTuple):
     """A descent direction along the constraints, and the energy's slope along it; it may be missing.
 
     multipliers: of the constraints, and what force they leave unbalanced.
+    level: which of the models gave it.
     """
 
     direction: Array
     slope: float
     multipliers: Array
     residual: float
+    level: int
 
 
-def _step(potential: StaticSystem, q: Array, multipliers: Array) -> _Step:
-    """multipliers: of the step before."""
+def _step(potential: StaticSystem, q: Array, multipliers: Array, level: int) -> _Step:
+    """multipliers, level: of the step before."""
     jacobian, force = potential.jacobian(q), potential.force(q)
     zero, direction, slope, share = np.zeros(jacobian.shape[0]), np.zeros(q.size), 0.0, 0.0
-    for model in _models(potential, q, multipliers):
+    for number, model in _models(potential, q, multipliers, level - 1):
         try:
             step, new = solve(factorise(model, jacobian, potential.order), force, zero)
         except RuntimeError:  # singular
@@ -75,24 +77,27 @@ def _step(potential: StaticSystem, q: Array, multipliers: Array) -> _Step:
         fall = float((step * (model @ step)).sum())  # force @ step, but for round-off of jacobian @ step
         own = cautious(potential, step.reshape(q.shape))
         if np.isfinite(fall) and fall > 0.0 and own > share:
-            direction, slope, multipliers, share = step, -fall, new, own
+            direction, slope, multipliers, share, level = step, -fall, new, own, number
             if share > SHORT:
                 break
         elif slope == 0.0 and np.isfinite(new).all():  # balanced forces have no direction, but tension
             multipliers = new
-    return _Step(direction, slope, multipliers, potential.size(force - jacobian.T @ multipliers))
+    return _Step(direction, slope, multipliers, potential.size(force - jacobian.T @ multipliers), level)
 
 
-def _models(potential: StaticSystem, q: Array, multipliers: Array) -> Iterator[SparseArray]:
-    """The Hessian, then what is more and more convex."""
+def _models(
+    potential: StaticSystem, q: Array, multipliers: Array, first: int
+) -> Iterator[tuple[int, SparseArray]]:
+    """The Hessian, then what is more and more convex, from number `first` on; with their numbers."""
     exact = potential.hessian(q, multipliers, is_rough=True)
-    yield exact
-    for factor in SHIFTS:
-        yield exact + factor * potential.shift * potential.mass
+    yield 0, exact
+    for number, factor in enumerate(SHIFTS, 1):
+        if number >= first:
+            yield number, exact + factor * potential.shift * potential.mass
     convex = potential.convex_model(multipliers, potential.shift)
     if potential.of_others is not None:  # without stiffness of contacts, steps run far into these
-        yield convex + potential.of_others
-    yield convex
+        yield len(SHIFTS) + 1, convex + potential.of_others
+    yield len(SHIFTS) + 2, convex
 
 
 def _line_search(potential: StaticSystem, q: Array, direction: Array, slope: float) -> Array | None:
@@ -135,12 +140,12 @@ def find_equilibrium(
     limit = tolerance * potential.largest_load
     balanced = max(1e3 * limit, potential.round_off)
     message, eigenvalue, residual = "", np.nan, np.inf
-    iterations, about = 0, None
+    iterations, level, about = 0, 0, None
     while iterations < most:
         iterations += 1
         potential.turn_with(q)
         previous, following = residual, None
-        direction, slope, multipliers, residual = _step(potential, q, multipliers)
+        direction, slope, multipliers, residual, level = _step(potential, q, multipliers, level)
         is_stalled = -slope < RESOLUTION**2 * potential.largest_load * potential.length
         is_stalled |= residual < potential.round_off
         if residual > limit and slope < 0.0 and not (is_stalled and residual > 0.5 * previous):
