@@ -51,6 +51,17 @@ def rows_of(matrix: SparseArray) -> np.ndarray:
     return np.repeat(np.arange(matrix.shape[0], dtype=np.int32), np.diff(matrix.indptr))
 
 
+def entries_of(matrix: SparseArray, first: int = 0) -> Entries:
+    """Of a square matrix whose unknowns are those from `first` on in another one."""
+    return rows_of(matrix) + first, matrix.indices + first, matrix.data
+
+
+def sum_of(parts: Sequence[Entries], size: int) -> SparseArray:
+    """(n, n) with the entries of all, whose rows need not rise; those in one place are added."""
+    rows, columns, values = map(np.concatenate, zip(*parts, strict=True))
+    return scipy.sparse.csr_array((values, (rows, columns)), shape=(size, size))
+
+
 def block_diagonal(blocks: Sequence[SparseArray]) -> SparseArray:
     """Blocks one after the other; a single one that is not empty is the result."""
     blocks = [block for block in blocks if block.shape != (0, 0)]

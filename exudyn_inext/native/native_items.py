@@ -38,6 +38,7 @@ class NativeItems:
     path: memory of the work that they do from one evaluation to the next, see `build_path`; None: not now.
         Of several evaluations in a step, the first one is left out: RK4's second one lies beside it.
     settles: whether contact and friction update what they remember at each evaluation, before it.
+    weighs: whether masses that depend on q are wanted.
     subtract_inertia: (q, v, forces): takes inertia forces of the bodies off the forces (n,), for whoever
         knows their masses; None: Exudyn is asked for these.
     """
@@ -46,6 +47,7 @@ class NativeItems:
     blocks: Sequence[JointBlock]
     path: Array | None = None
     settles: bool = False
+    weighs: bool = True
     subtract_inertia: Callable[[Array, Array, Array], None] | None = None
     _is_first: bool = True  # evaluation of a step
     _counted: Array | None = None  # the path, if it counts the present evaluation
@@ -114,7 +116,7 @@ class NativeItems:
     def act(self, t: float, q: Array, v: Array) -> Array:
         """(n,) what Exudyn's items and others do to the parts, and rates of first order states.
 
-        It sets masses that depend on q.
+        It sets masses that depend on q, unless nobody `weighs`.
         """
         self.set_state(t, q, v)
         if self.settles:
@@ -132,7 +134,7 @@ class NativeItems:
         gather(residual, self._coordinates.of_forces, forces)
         if self.subtract_inertia:
             self.subtract_inertia(q, v, forces)
-        else:
+        elif self.weighs:
             self._masses.update(q[self._bodies])
         if self._counted is not None and not self._has_histories:
             follow(self._counted, q, forces)

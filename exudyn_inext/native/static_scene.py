@@ -53,6 +53,7 @@ class StaticScene:
         scene.native_items.settles = True
         self.force(scene.initial_state[0])
         self.mass = scene.body_system.mass
+        scene.native_items.weighs = False
         bodies = scene.map.slices[-1]
         self._sliding = [joint for joint in scene.joints if isinstance(joint, SlidingJoint)]
         self._varying = self.varying = _varying(scene)

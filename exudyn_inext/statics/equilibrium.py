@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array, SparseArray
-from .feasible import NEARLY, cautious, feasible, followed, straight
+from .feasible import LARGEST_TURN, NEARLY, cautious, feasible, followed, straight
 from .saddle_point import factorise, solve
 from .small_motions import SmallMotions, small_motions
 from .stability import eigenvalue_without_potential, round_off, smallest_eigenvalue
@@ -25,6 +25,10 @@ LARGEST_EXCURSION = 100.0  # of a coordinate from its start, in lengths of the l
 RESOLUTION = 1e-10  # gain of energy that round-off hides, relative
 SHIFTS = (1e-4, 1e-3, 0.01, 0.1, 1.0, 10.0)  # of an indefinite Hessian, in units of the loads' own [-]
 ESCAPES = (0.1, 0.01, 1e-3, 1e-4)  # turns of slopes and bodies beside an unstable equilibrium [-]
+MOST_HALVINGS = 30  # of a step
+CONCAVE = (
+    0.75  # of the slope that a step twice as long still has: the model, of which it has 0.5, is too stiff
+)
 SHORT = 0.1  # of a step, which a softer model asks for: a more convex one knows better
 GROWS = "all forces are balanced, but loads without a potential make small vibrations grow"
 _ARMIJO = 1e-4
@@ -109,13 +113,24 @@ def _line_search(potential: StaticSystem, q: Array, direction: Array, slope: flo
     size = cautious(potential, step)
     follow = followed if size > SHORT else straight
     is_resolved = -slope > RESOLUTION * potential.scale_of_energy(q)
-    for _ in range(30):
+
+    def found(size: float, share: float) -> Array | None:
+        """The state after so much of the step; None: there is none, or it falls by less than that share."""
         trial, left = follow(potential, q, size * step)
-        falls = not is_resolved or potential.fall(q, trial) >= -_ARMIJO * size * slope
-        if left <= NEARLY and falls and not potential.is_blocked(q, trial):
-            return trial
+        falls = not is_resolved or potential.fall(q, trial) >= -share * size * slope
+        return trial if left <= NEARLY and falls and not potential.is_blocked(q, trial) else None
+
+    for _ in range(MOST_HALVINGS):
+        trial = found(size, _ARMIJO)
+        if trial is not None:
+            break
         size *= 0.5
-    return None
+    while trial is not None and is_resolved and 2.0 * size * potential.turn(step) <= LARGEST_TURN:
+        further = found(2.0 * size, CONCAVE)
+        if further is None:
+            break
+        trial, size = further, 2.0 * size
+    return trial
 
 
 def find_equilibrium(

@@ -9,6 +9,7 @@ over those coordinates on which it depends.
 """
 
 from collections.abc import Iterable, Sequence
+from functools import cached_property
 from itertools import accumulate, pairwise
 from typing import Any, NamedTuple
 
@@ -16,7 +17,7 @@ import numpy as np
 import scipy
 
 from ..arrays import Array, SparseArray
-from ..sparse import block_diagonal, one_below_another
+from ..sparse import Entries, block_diagonal, entries_of, one_below_another, sum_of
 from .potential import Potential
 from .saddle_point import order_of_elimination
 from .static_system import StaticSystem
@@ -196,16 +197,18 @@ class JoinedPotential(StaticSystem):
         """See `StaticSystem`; slightly regular."""
         own = self._multipliers(multipliers)
         blocks = [cable.hessian(at, lam) for (cable, at), lam in zip(self._parts(q), own, strict=True)]
-        first = sum(map(len, own))
-        rest = len(q) - self._bodies.start
-        total = block_diagonal([*blocks, scipy.sparse.csr_array((rest, rest))])
-        places = self._others.quaternions
-        if len(places):
-            of_norms = np.repeat(multipliers[first : first + len(places)], 4)
-            total += scipy.sparse.csr_array((of_norms, (places.ravel(), places.ravel())), total.shape)
+        first, places = sum(map(len, own)), self._others.quaternions
+        of_norms = np.repeat(multipliers[first : first + len(places)], 4)
         self.of_others = self._of_others(q, multipliers[first + len(places) :], is_rough)
-        total += self.of_others
-        return scipy.sparse.csr_array(total + SHARE * self.shift * self.mass)
+        parts = [entries_of(block, place.start) for block, place in zip(blocks, self._places, strict=True)]
+        parts += [(places.ravel(), places.ravel(), of_norms), entries_of(self.of_others), self._regular]
+        return sum_of(parts, len(q))
+
+    @cached_property
+    def _regular(self) -> Entries:
+        """Of the mass that makes all Hessians regular."""
+        rows, columns, values = entries_of(self.mass)
+        return rows, columns, SHARE * self.shift * values
 
     def _of_others(self, q: Array, nu: Array, is_rough: bool) -> SparseArray:
         """Derivatives of G, by differences; those of forces on bodies along cables by symmetry.
