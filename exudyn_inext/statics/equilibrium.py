@@ -6,6 +6,9 @@ some mass is added; where this does not help, a convex model takes its place: be
 where it is positive, some mass, and at first the stiffness of other items. So the search runs downhill to a
 stable equilibrium, whether it starts taut, slack or upside down. A point where the constrained Hessian is not
 positive definite is left along its worst direction.
+
+The search goes on with the model that served last. The Hessian is tried before it, unless its steps have led
+nowhere. Where the energy is concave, steps are longer than their model says.
 """
 
 from collections.abc import Iterator
@@ -26,9 +29,9 @@ RESOLUTION = 1e-10  # gain of energy that round-off hides, relative
 SHIFTS = (1e-4, 1e-3, 0.01, 0.1, 1.0, 10.0)  # of an indefinite Hessian, in units of the loads' own [-]
 ESCAPES = (0.1, 0.01, 1e-3, 1e-4)  # turns of slopes and bodies beside an unstable equilibrium [-]
 MOST_HALVINGS = 30  # of a step
-CONCAVE = (
-    0.75  # of the slope that a step twice as long still has: the model, of which it has 0.5, is too stiff
-)
+CONCAVE = 0.75  # share of the slope by which a step falls that may be longer; its model says a half
+POOR = 0.1  # share of a step that is left, after which softer models do not serve for a while
+RELIEF = 2  # more of them that do after each other step
 SHORT = 0.1  # of a step, which a softer model asks for: a more convex one knows better
 GROWS = "all forces are balanced, but loads without a potential make small vibrations grow"
 _ARMIJO = 1e-4
@@ -69,11 +72,11 @@ class _Step(NamedTuple):
     level: int
 
 
-def _step(potential: StaticSystem, q: Array, multipliers: Array, level: int) -> _Step:
-    """multipliers, level: of the step before."""
+def _step(potential: StaticSystem, q: Array, multipliers: Array, level: int, least: int) -> _Step:
+    """multipliers, level: of the step before.   least: number of the first model that may serve."""
     jacobian, force = potential.jacobian(q), potential.force(q)
     zero, direction, slope, share = np.zeros(jacobian.shape[0]), np.zeros(q.size), 0.0, 0.0
-    for number, model in _models(potential, q, multipliers, level - 1):
+    for number, model in _models(potential, q, multipliers, least, level - 1):
         try:
             step, new = solve(factorise(model, jacobian, potential.order), force, zero)
         except RuntimeError:  # singular
@@ -90,13 +93,17 @@ def _step(potential: StaticSystem, q: Array, multipliers: Array, level: int) -> 
 
 
 def _models(
-    potential: StaticSystem, q: Array, multipliers: Array, first: int
+    potential: StaticSystem, q: Array, multipliers: Array, least: int, then: int
 ) -> Iterator[tuple[int, SparseArray]]:
-    """The Hessian, then what is more and more convex, from number `first` on; with their numbers."""
+    """The Hessian, then what is more and more convex, with their numbers.
+
+    least: of the first one.   then: of those after it.
+    """
     exact = potential.hessian(q, multipliers, is_rough=True)
-    yield 0, exact
+    if not least:
+        yield 0, exact
     for number, factor in enumerate(SHIFTS, 1):
-        if number >= first:
+        if number >= max(least, then):
             yield number, exact + factor * potential.shift * potential.mass
     convex = potential.convex_model(multipliers, potential.shift)
     if potential.of_others is not None:  # without stiffness of contacts, steps run far into these
@@ -104,13 +111,16 @@ def _models(
     yield len(SHIFTS) + 2, convex
 
 
-def _line_search(potential: StaticSystem, q: Array, direction: Array, slope: float) -> Array | None:
+def _line_search(
+    potential: StaticSystem, q: Array, direction: Array, slope: float
+) -> tuple[Array | None, float]:
     """The next state on the constraints with less energy; None if there is none along the step.
 
-    Close to the equilibrium, where round-off hides the gain of energy, Newton's step is trusted.
+    And how much of the step that may be taken leads there. Close to the equilibrium, where round-off hides
+    the gain of energy, Newton's step is trusted.
     """
     step = direction.reshape(q.shape)
-    size = cautious(potential, step)
+    size = whole = cautious(potential, step)
     follow = followed if size > SHORT else straight
     is_resolved = -slope > RESOLUTION * potential.scale_of_energy(q)
 
@@ -130,7 +140,7 @@ def _line_search(potential: StaticSystem, q: Array, direction: Array, slope: flo
         if further is None:
             break
         trial, size = further, 2.0 * size
-    return trial
+    return trial, size / whole
 
 
 def find_equilibrium(
@@ -155,16 +165,17 @@ def find_equilibrium(
     limit = tolerance * potential.largest_load
     balanced = max(1e3 * limit, potential.round_off)
     message, eigenvalue, residual = "", np.nan, np.inf
-    iterations, level, about = 0, 0, None
+    iterations, level, least, about = 0, 0, 0, None
     while iterations < most:
         iterations += 1
         potential.turn_with(q)
         previous, following = residual, None
-        direction, slope, multipliers, residual, level = _step(potential, q, multipliers, level)
+        direction, slope, multipliers, residual, level = _step(potential, q, multipliers, level, least)
         is_stalled = -slope < RESOLUTION**2 * potential.largest_load * potential.length
         is_stalled |= residual < potential.round_off
         if residual > limit and slope < 0.0 and not (is_stalled and residual > 0.5 * previous):
-            following = _line_search(potential, q, direction, slope)
+            following, share = _line_search(potential, q, direction, slope)
+            least = min(level + 1, len(SHIFTS)) if share < POOR else max(least - RELIEF, 0)
         if following is None:
             about = small_motions(potential, q, multipliers)
             eigenvalue, worst, message = _stability(about, residual <= balanced)

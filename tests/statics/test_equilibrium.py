@@ -13,6 +13,8 @@ from exudyn_inext.constraints.distance import hanger
 from exudyn_inext.constraints.prescribed_motion import prescribed
 from exudyn_inext.loads.gravity import gravity_force
 from exudyn_inext.statics import Potential, find_equilibrium, smallest_eigenvalue
+from exudyn_inext.statics import equilibrium as search
+from exudyn_inext.statics.saddle_point import factorise
 from exudyn_inext.statics.small_motions import small_motions
 from tests.cables import MEASURES, arc, relative_error, straight_cable
 
@@ -176,6 +178,23 @@ def test_every_start_leads_to_the_one_that_hangs(start):
     assert found.violation < 1e-9
     np.testing.assert_allclose(found.q, hanging.q, atol=1e-8)
     assert found.q[8, 0, 1] < -0.3
+
+
+def test_a_cable_that_stands_upright_falls_within_few_steps_of_few_models(monkeypatch):
+    """It begins in an unstable equilibrium; softer models than the one that served last mostly do not."""
+    factorisations = []
+
+    def counted(*matrices):
+        factorisations.append(1)
+        return factorise(*matrices)
+
+    monkeypatch.setattr(search, "factorise", counted)
+    cable = straight_cable(12, 2, "pinned", 1.5, section=Section(0.2, 0.05))
+    found = equilibrium(cable, gravity_force(cable, GRAVITY), cable.reference[..., ::-1])
+    assert found.converged
+    np.testing.assert_allclose(found.q[-1, 0], [0.0, -1.5], atol=1e-6)
+    assert found.iterations < 15
+    assert len(factorisations) < 30
 
 
 def test_hanger_carries_what_the_two_spans_leave_to_it():
