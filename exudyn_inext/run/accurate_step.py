@@ -2,13 +2,13 @@
 
 A transverse wave of the speed c, which the tension gives it, takes 20 steps to pass an element: the error in
 time is then near that of the mesh. c^2 is the tension over rho_A that weight, loads and inertia can cause at
-most, and twice the energy by mass that the motion starts with; among bodies, that of bending is left out
-where the cable rests in an equilibrium. The first vibration of the bent cable is resolved in any case, and
-among bodies all bending waves that the mesh resolves, or of cables that are lighter than each body, longer
-ones. Of elements whose lengths differ, a wave needs as many of its size as it spans: single short ones among
-others resolve nothing that the others do not. How fast the motion really is, the watch finds out, see
-`watch`: then the step becomes shorter, down to one whose error in bending waves is that of the mesh, and
-where cables stretch, one in which axial waves pass a share of an element.
+most, and twice the energy by mass that the motion starts with, as the slowest node sees it; among bodies,
+that of bending is left out where the cable rests in an equilibrium. The first vibration of the bent cable is
+resolved in any case, and among bodies all bending waves that the mesh resolves, or of cables that are lighter
+than each body, longer ones. Of elements whose lengths differ, a wave needs as many of its size as it spans:
+single short ones among others resolve nothing that the others do not. How fast the motion really is, the
+watch finds out, see `watch`: then the step becomes shorter, down to one whose error in bending waves is that
+of the mesh, and where cables stretch, one in which axial waves pass a share of an element.
 """
 
 import math
@@ -123,8 +123,7 @@ def _wave_speed(run: CableRun, time: float, acceleration: Callable[[], float] | 
     shape = cable.reference.shape
     inputs = run.loads.at(time)
     forces = np.linalg.norm(inputs[: run.state.q.size].reshape(shape)[:, 0], axis=1)
-    density, v = cable.section.mass_per_length, run.state.v.reshape(shape)[:, 0]
-    fastest = float((v * v).sum(axis=1).max())
+    density, fastest = cable.section.mass_per_length, _fastest(run.state.v.reshape(shape)[:, 0])
     squared = float(forces.sum()) / density + fastest
     squared += _of_motions(inputs[run.state.q.size :], cable)
     of_bending = 2.0 * max(0.0, _bending_energy(run, inputs)) / (density * cable.length)
@@ -132,6 +131,15 @@ def _wave_speed(run: CableRun, time: float, acceleration: Callable[[], float] | 
         is_at_rest = fastest + 2.0 * acceleration() * cable.length <= AT_REST * of_bending
         of_bending = 0.0 if is_at_rest else of_bending
     return math.sqrt(squared + of_bending)
+
+
+def _fastest(v: Array) -> float:
+    """Square of the largest speed, as the slowest node sees it [m^2/s^2]: to fly along pulls nothing.
+
+    v: (n, dim) velocities of nodes [m/s].
+    """
+    slowest = v[np.argmin((v * v).sum(axis=1))]
+    return float(((v - slowest) ** 2).sum(axis=1).max())
 
 
 def _bending_energy(run: CableRun, inputs: Array) -> float:

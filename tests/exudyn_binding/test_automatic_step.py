@@ -250,6 +250,32 @@ def test_light_parts_are_resolved_beside_heavy_ones(new_mbs, add_cable, solve, k
     assert error < 0.01
 
 
+def test_a_tether_in_orbit_takes_the_steps_of_one_that_only_turns(new_mbs, add_cable, add_sensor, solve):
+    """All of it flies along, with 7.7 km/s, which pulls nothing."""
+
+    def turning(speed):
+        mbs, length, masses, turn, ends = new_mbs(), 100.0, [50.0, 10.0], 0.1, []
+        section = InextensibleCable(massPerLength=0.01, bendingStiffness=0.01, axialStiffness=1e4)
+        speeds = {"velocityStart": [0, speed, 0], "velocityEnd": [0, speed + turn * length, 0]}
+        shape = CableShape.Line([0, 0, 0], [length, 0, 0], 4, **speeds)
+        cable = add_cable(mbs, beamTemplate=section, shape=shape)
+        for x, mass, node in zip([0, length], masses, cable["nodes"][::4], strict=True):
+            start = {"referencePosition": [x, 0, 0], "initialVelocity": [0, speed + turn * x, 0]}
+            end = mbs.CreateMassPoint(mass=mass, **start)
+            ends.append(mbs.AddMarker(MarkerBodyPosition(bodyNumber=end)))
+            joint = [ends[-1], mbs.AddMarker(MarkerNodePosition(nodeNumber=node))]
+            mbs.AddObject(SphericalJoint(markerNumbers=joint, constrainedAxes=[1, 1, 0]))
+        sensors = [add_sensor(mbs, node) for node in cable["nodes"]]
+        mbs.Assemble()
+        report = solve(mbs, settings=quiet_settings(4.0, 4, 1.0))
+        paths = [np.asarray(mbs.GetSensorStoredData(sensor))[:, 1:4] for sensor in sensors]
+        return report["steps"], np.array(paths) - paths[0]
+
+    (steps, path), (steps_in_orbit, path_in_orbit) = turning(0.0), turning(7700.0)
+    assert steps_in_orbit == steps
+    np.testing.assert_allclose(path_in_orbit, path, atol=1e-6)
+
+
 def test_strains_at_the_start_do_not_shorten_the_step(weighed_cantilever):
     """They make axial waves, which steps need not resolve."""
 
