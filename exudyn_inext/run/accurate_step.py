@@ -123,23 +123,16 @@ def _wave_speed(run: CableRun, time: float, acceleration: Callable[[], float] | 
     shape = cable.reference.shape
     inputs = run.loads.at(time)
     forces = np.linalg.norm(inputs[: run.state.q.size].reshape(shape)[:, 0], axis=1)
-    density, fastest = cable.section.mass_per_length, _fastest(run.state.v.reshape(shape)[:, 0])
+    density, v = cable.section.mass_per_length, run.state.v.reshape(shape)[:, 0]
+    slowest = v[np.argmin((v * v).sum(axis=1))]  # to fly along pulls nothing
+    fastest = float(((v - slowest) ** 2).sum(axis=1).max())
     squared = float(forces.sum()) / density + fastest
-    squared += _of_motions(inputs[run.state.q.size :], cable)
+    squared += _of_motions(inputs[run.state.q.size :], cable, slowest)
     of_bending = 2.0 * max(0.0, _bending_energy(run, inputs)) / (density * cable.length)
     if acceleration is not None and of_bending > squared:
         is_at_rest = fastest + 2.0 * acceleration() * cable.length <= AT_REST * of_bending
         of_bending = 0.0 if is_at_rest else of_bending
     return math.sqrt(squared + of_bending)
-
-
-def _fastest(v: Array) -> float:
-    """Square of the largest speed, as the slowest node sees it [m^2/s^2]: to fly along pulls nothing.
-
-    v: (n, dim) velocities of nodes [m/s].
-    """
-    slowest = v[np.argmin((v * v).sum(axis=1))]
-    return float(((v - slowest) ** 2).sum(axis=1).max())
 
 
 def _bending_energy(run: CableRun, inputs: Array) -> float:
@@ -152,8 +145,12 @@ def _bending_energy(run: CableRun, inputs: Array) -> float:
     return float(energy_report[ELASTIC])
 
 
-def _of_motions(inputs: Array, cable: Any) -> float:
-    """Speeds squared of supports that move, and what their accelerations may do to the tension [m^2/s^2]."""
-    motions = inputs.reshape(-1, 3, cable.dimension)
-    speeds, accelerations = np.linalg.norm(motions[:, 1:], axis=2).T
-    return float((speeds**2 + accelerations * cable.length).sum())
+def _of_motions(inputs: Array, cable: Any, slowest: Array) -> float:
+    """Speeds squared of supports that move, and what their accelerations may do to the tension [m^2/s^2].
+
+    slowest: (dim,) velocity of a node that sees them, each along its own way [m/s].
+    """
+    _, velocities, accelerations = inputs.reshape(-1, 3, cable.dimension).transpose(1, 0, 2)
+    speeds = np.linalg.norm(velocities, axis=1)
+    seen = speeds - velocities @ slowest / np.where(speeds > 0.0, speeds, 1.0)
+    return float((seen**2 + np.linalg.norm(accelerations, axis=1) * cable.length).sum())

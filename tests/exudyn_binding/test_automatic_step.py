@@ -7,9 +7,12 @@ import numpy as np
 import pytest
 from exudyn.beams import GenerateBeamElementsAlongLine
 from exudyn.itemInterface import (
+    CoordinateConstraint,
     LoadForceVector,
     MarkerBodyPosition,
+    MarkerNodeCoordinate,
     MarkerNodePosition,
+    NodePointGround,
     ObjectANCFCable,
     ObjectANCFCable2D,
     SensorBody,
@@ -274,6 +277,32 @@ def test_a_tether_in_orbit_takes_the_steps_of_one_that_only_turns(new_mbs, add_c
     (steps, path), (steps_in_orbit, path_in_orbit) = turning(0.0), turning(7700.0)
     assert steps_in_orbit == steps
     np.testing.assert_allclose(path_in_orbit, path, atol=1e-6)
+
+
+def test_a_towed_cable_takes_the_steps_of_one_that_hangs(new_mbs, add_cable, solve):
+    """Behind an aircraft, which climbs and falls, and flies with 80 m/s or not at all."""
+
+    def resolving_step(speed):
+        mbs = new_mbs()
+        section = InextensibleCable(massPerLength=0.2, bendingStiffness=0.05)
+        shape = CableShape.Line([0, 0], [-60, 0], 6, velocityStart=[speed, 0], velocityEnd=[speed, 0])
+        front = add_cable(mbs, beamTemplate=section, shape=shape)["nodes"][0]
+        ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+
+        def along(mbs, t, item, offset):
+            return speed * t
+
+        def across(mbs, t, item, offset):
+            return 1.0 - np.cos(t)
+
+        for coordinate, motion in enumerate((along, across)):
+            marker = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=front, coordinate=coordinate))
+            joint = {"markerNumbers": [ground, marker], "offsetUserFunction": motion}
+            mbs.AddObject(CoordinateConstraint(**joint))
+        mbs.Assemble()
+        return solve(mbs, settings=quiet_settings(0.1, 1, 0.1))["bounds"].accuracy
+
+    assert resolving_step(80.0) == pytest.approx(resolving_step(0.0))
 
 
 def test_strains_at_the_start_do_not_shorten_the_step(weighed_cantilever):
