@@ -109,6 +109,10 @@ class LimitedRun(PacedRun):
         """Which node damping decays fastest at, at the start."""
         return str(self._scene.coordinate_name(self._place_in(self._fastest[0, 1])))
 
+    def may_touch(self) -> bool:
+        """Whether there is anything that may be hit."""
+        return bool(self._scene.native_items.may_touch)
+
     def _place_in(self, motion: Array) -> int:
         """Of the coordinate that moves most, in the system vector."""
         return int(self.indices[int(np.argmax(np.abs(motion[: len(self.indices)])))])

@@ -305,6 +305,38 @@ def test_a_towed_cable_takes_the_steps_of_one_that_hangs(new_mbs, add_cable, sol
     assert resolving_step(80.0) == pytest.approx(resolving_step(0.0))
 
 
+@pytest.mark.parametrize("floor", ["spring", "load"])
+def test_a_rope_that_falls_on_a_floor_resolves_its_fall(new_mbs, add_cable, solve, floor):
+    """What Exudyn evaluates may be hit, and stops it as fast as it comes: it is no flight then."""
+
+    def bounds_of_step(speed):
+        mbs = new_mbs()
+        section = InextensibleCable(massPerLength=0.2, bendingStiffness=0.01, axialStiffness=5e4)
+        fall = {"velocityStart": [0, -speed], "velocityEnd": [0, -speed]}
+        shape = CableShape.Line([0, 0], [2, 0.4], 8, **fall)
+        node = add_cable(mbs, beamTemplate=section, shape=shape)["nodes"][0]
+        marker = mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
+
+        def push(mbs, t, item, stretch, rate, stiffness, damping, force):
+            return min(stiffness * (stretch - 0.5), 0.0)
+
+        def hold(mbs, t, load):
+            return [0, max(-2e3 * (mbs.GetNodeOutput(node, POSITION)[1] + 0.5), 0.0), 0]
+
+        if floor == "load":
+            mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVectorUserFunction=hold))
+        else:
+            ground = mbs.CreateGround(referencePosition=[0, -1, 0])
+            ends = [mbs.AddMarker(MarkerBodyPosition(bodyNumber=ground)), marker]
+            spring = {"stiffness": 2e3, "referenceLength": 0.5, "springForceUserFunction": push}
+            mbs.AddObject(SpringDamper(markerNumbers=ends, **spring))
+        mbs.Assemble()
+        return solve(mbs, settings=quiet_settings(0.01, 1, 0.01))["bounds"]
+
+    assert bounds_of_step(20.0).accuracy < 0.25 / (20.0 * 20.0)  # steps while a wave passes an element
+    assert bounds_of_step(0.0).accuracy > 0.25 / (20.0 * 20.0)
+
+
 def test_strains_at_the_start_do_not_shorten_the_step(weighed_cantilever):
     """They make axial waves, which steps need not resolve."""
 
