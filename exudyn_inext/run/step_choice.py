@@ -110,7 +110,8 @@ class StepChoice:
 
     def bounds_of_member(self, number: int) -> StepSizeBounds:
         """Of a member of an ensemble, which is named."""
-        return replace(self.bounds, cable=f"{self.bounds.cable} of member {number}")
+        member, damped = f" of member {number}", self.bounds.damped
+        return replace(self.bounds, cable=self.bounds.cable + member, damped=damped and damped + member)
 
     def decider(self, steps: int, h: float, otherwise: str) -> str:
         """What decided on so many steps of h [s] in an interval: a bound, or what made the interval short."""
