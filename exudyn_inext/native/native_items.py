@@ -11,6 +11,8 @@ import numpy as np
 from ..arrays import Array
 from ..compiled import kernel
 from ..errors import DivergenceError
+from ..items.cable_data import find_cable_item
+from ..items.functions_of_time import is_of_time_alone
 from ..items.parameters import set_unnoted
 from ..run.cable_loads import CableLoads
 from ..run.steered import Steered
@@ -24,6 +26,10 @@ from .joint_rows import JointRows
 from .ramped_parameters import RampedParameters
 
 _CURRENT, _START_OF_STEP = exudyn.ConfigurationType.Current, exudyn.ConfigurationType.StartOfStep
+_OF_FORCES = tuple(
+    f"{which}UserFunction" for which in ("force", "springForce", "springTorque", "springForceTorque")
+)
+_OF_LOADS = "loadUserFunction", "loadVectorUserFunction"
 
 
 class NativeItems:
@@ -254,6 +260,17 @@ class NativeItems:
         remembering = range(mbs.systemData.NumberOfObjects() if self._data.DataSize() else 0)
         kinds = {mbs.GetObject(number)["objectType"] for number in remembering}
         return bool(mbs.NumberOfGeneralContacts()) or any("Contact" in k or k.endswith("Ext") for k in kinds)
+
+    @property
+    def may_touch(self) -> bool:
+        """Whether something may be hit: contact, or what functions make of springs, objects and loads."""
+        mbs, data = self._mbs, self._mbs.systemData
+        objects = (mbs.GetObject(number) for number in range(data.NumberOfObjects()))
+        loads = (mbs.GetLoad(number) for number in range(data.NumberOfLoads()))
+        given = [item.get(key) for item in objects if not find_cable_item(item) for key in _OF_FORCES]
+        of_loads = [item.get(key) for item in loads for key in _OF_LOADS]
+        of_state = (one and not is_of_time_alone(mbs, one) for one in of_loads)
+        return self.has_contact or any(given) or any(of_state)
 
     @property
     def depths_of_contacts(self) -> Array | None:

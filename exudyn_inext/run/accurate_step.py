@@ -2,13 +2,14 @@
 
 A transverse wave of the speed c, which the tension gives it, takes 20 steps to pass an element: the error in
 time is then near that of the mesh. c^2 is the tension over rho_A that weight, loads and inertia can cause at
-most, and twice the energy by mass that the motion starts with; among bodies, that of bending is left out
-where the cable rests in an equilibrium. The first vibration of the bent cable is resolved in any case, and
-among bodies all bending waves that the mesh resolves, or of cables that are lighter than each body, longer
-ones. Of elements whose lengths differ, a wave needs as many of its size as it spans: single short ones among
-others resolve nothing that the others do not. How fast the motion really is, the watch finds out, see
-`watch`: then the step becomes shorter, down to one whose error in bending waves is that of the mesh, and
-where cables stretch, one in which axial waves pass a share of an element.
+most, and twice the energy by mass that the motion starts with, as the slowest node sees it where nothing can
+be hit; among bodies, that of bending is left out where the cable rests in an equilibrium. The first vibration
+of the bent cable is resolved in any case, and among bodies all bending waves that the mesh resolves, or of
+cables that are lighter than each body, longer ones. Of elements whose lengths differ, a wave needs as many of
+its size as it spans: single short ones among others resolve nothing that the others do not. How fast the
+motion really is, the watch finds out, see `watch`: then the step becomes shorter, down to one whose error in
+bending waves is that of the mesh, and where cables stretch, one in which axial waves pass a share of an
+element.
 """
 
 import math
@@ -35,14 +36,20 @@ BY_DRAG = 0.02  # step times the rate at which drag slows a cable down
 FIRST_VIBRATION = 0.085  # step over L^2 sqrt(rho_A / EI): 0.3 / 3.52, h w of a cantilever's first one
 
 
-def accurate_step(run: CableRun, time: float, acceleration: Callable[[], float] | None) -> float:
+def accurate_step(
+    run: CableRun,
+    time: float,
+    acceleration: Callable[[], float] | None,
+    may_touch: Callable[[], bool] | None = None,
+) -> float:
     """Largest step that resolves the motion of a cable in time as well as its mesh does in space [s].
 
     acceleration: among bodies, the largest one of nodes at the start [m/s^2], asked where it matters.
+    may_touch: whether there is anything that the cable may hit; None: there is not.
     """
     cable = run.scene_cable.cable
     with np.errstate(over="ignore"):
-        speed = _wave_speed(run, time, acceleration)
+        speed = _wave_speed(run, time, acceleration, may_touch)
     of_waves = _resolved_length(cable) / (STEPS_BY_ELEMENT * speed) if speed > 0.0 else math.inf
     section = cable.section
     bends = math.sqrt(section.mass_per_length / section.bending_stiffness) * cable.length**2
@@ -117,16 +124,24 @@ def _resolved_length(cable: Cable) -> float:
     return float(longest.min())
 
 
-def _wave_speed(run: CableRun, time: float, acceleration: Callable[[], float] | None = None) -> float:
-    """c [m/s], see above.   acceleration: see `accurate_step`."""
+def _wave_speed(
+    run: CableRun,
+    time: float,
+    acceleration: Callable[[], float] | None = None,
+    may_touch: Callable[[], bool] | None = None,
+) -> float:
+    """c [m/s], see above.   acceleration, may_touch: see `accurate_step`."""
     cable = run.scene_cable.cable
     shape = cable.reference.shape
     inputs = run.loads.at(time)
     forces = np.linalg.norm(inputs[: run.state.q.size].reshape(shape)[:, 0], axis=1)
     density, v = cable.section.mass_per_length, run.state.v.reshape(shape)[:, 0]
-    fastest = float((v * v).sum(axis=1).max())
+    slowest = v[np.argmin((v * v).sum(axis=1))]  # to fly along pulls nothing, until something is hit
+    if may_touch is not None and slowest.any() and may_touch():
+        slowest = np.zeros_like(slowest)
+    fastest = float(((v - slowest) ** 2).sum(axis=1).max())
     squared = float(forces.sum()) / density + fastest
-    squared += _of_motions(inputs[run.state.q.size :], cable)
+    squared += _of_motions(inputs[run.state.q.size :], cable, slowest)
     of_bending = 2.0 * max(0.0, _bending_energy(run, inputs)) / (density * cable.length)
     if acceleration is not None and of_bending > squared:
         is_at_rest = fastest + 2.0 * acceleration() * cable.length <= AT_REST * of_bending
@@ -144,8 +159,12 @@ def _bending_energy(run: CableRun, inputs: Array) -> float:
     return float(energy_report[ELASTIC])
 
 
-def _of_motions(inputs: Array, cable: Any) -> float:
-    """Speeds squared of supports that move, and what their accelerations may do to the tension [m^2/s^2]."""
-    motions = inputs.reshape(-1, 3, cable.dimension)
-    speeds, accelerations = np.linalg.norm(motions[:, 1:], axis=2).T
-    return float((speeds**2 + accelerations * cable.length).sum())
+def _of_motions(inputs: Array, cable: Any, slowest: Array) -> float:
+    """Speeds squared of supports that move, and what their accelerations may do to the tension [m^2/s^2].
+
+    slowest: (dim,) velocity of a node that sees them, each along its own way [m/s].
+    """
+    _, velocities, accelerations = inputs.reshape(-1, 3, cable.dimension).transpose(1, 0, 2)
+    speeds = np.linalg.norm(velocities, axis=1)
+    seen = speeds - velocities @ slowest / np.where(speeds > 0.0, speeds, 1.0)
+    return float((seen**2 + np.linalg.norm(accelerations, axis=1) * cable.length).sum())

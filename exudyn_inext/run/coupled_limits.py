@@ -101,8 +101,21 @@ class LimitedRun(PacedRun):
     @property
     def fastest(self) -> tuple[str, str]:
         """Which node vibrates fastest at the start, and the element of a native cable that it has, if any."""
-        place = self.indices[int(np.argmax(np.abs(self._fastest[0, 0, : len(self.indices)])))]
+        place = self._place_in(self._fastest[0, 0])
         return self._scene.coordinate_name(place), self._scene.native_cable_at(place)
+
+    @property
+    def most_damped(self) -> str:
+        """Which node damping decays fastest at, at the start."""
+        return str(self._scene.coordinate_name(self._place_in(self._fastest[0, 1])))
+
+    def may_touch(self) -> bool:
+        """Whether there is anything that may be hit."""
+        return bool(self._scene.native_items.may_touch)
+
+    def _place_in(self, motion: Array) -> int:
+        """Of the coordinate that moves most, in the system vector."""
+        return int(self.indices[int(np.argmax(np.abs(motion[: len(self.indices)])))])
 
     def _rates_at(self, time: float, in_motion: bool = False) -> FastestRates:
         """Of the present state."""

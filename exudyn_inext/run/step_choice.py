@@ -62,6 +62,7 @@ class StepSizeBounds:
     accuracy: step that resolves the motion as well as the mesh does, for the automatic step alone.
     safety: share of the stability limit that leaves a margin for what the motion changes [-].
     undamped: `bending` without damping, which lowers it.   damping: largest d [1/s] of v' = -d v.
+    damped: what such strong damping is at; empty if it is weaker, or of the cable itself.
     touching: which contacts decide the bound `contact`, and why.   softer: which of their parameters do.
     is_cable: whether bending of a cable decides, so that fewer elements raise the bound.
     is_scaled: whether bending is implicit, so that the rule does not count.
@@ -77,6 +78,7 @@ class StepSizeBounds:
     safety: float = 0.95
     undamped: float = math.inf
     damping: float = 0.0
+    damped: str = ""
     touching: str = ""
     softer: str = ""
     is_cable: bool = True
@@ -108,7 +110,8 @@ class StepChoice:
 
     def bounds_of_member(self, number: int) -> StepSizeBounds:
         """Of a member of an ensemble, which is named."""
-        return replace(self.bounds, cable=f"{self.bounds.cable} of member {number}")
+        member, damped = f" of member {number}", self.bounds.damped
+        return replace(self.bounds, cable=self.bounds.cable + member, damped=damped and damped + member)
 
     def decider(self, steps: int, h: float, otherwise: str) -> str:
         """What decided on so many steps of h [s] in an interval: a bound, or what made the interval short."""
@@ -266,7 +269,8 @@ def _accuracy(run: Run, start: float) -> float:
     """Largest step that resolves the motion of the cables of a run [s]."""
     among_bodies = isinstance(run, CoupledRun)
     acceleration = cache(partial(_largest_acceleration, run, start)) if among_bodies else None
-    return min((accurate_step(cable, start, acceleration) for cable in run.cable_runs), default=math.inf)
+    given = start, acceleration, cache(run.may_touch) if isinstance(run, CoupledRun) else None
+    return min((accurate_step(cable, *given) for cable in run.cable_runs), default=math.inf)
 
 
 def _largest_acceleration(run: Run, start: float) -> float:
@@ -341,6 +345,8 @@ def step_bounds(
     limits = [limit(w, ratio) for w, ratio in zip(frequencies, ratios, strict=True)]
     contact, touching, softer = _contact_bound(runs, limit)
     fastest = limits.index(min(limits))
+    undamped, run = limit(frequencies[fastest]), runs[fastest]
+    is_lowered = undamped > MUCH * limits[fastest]
     cables = [cable for run in runs for cable in run.cables]
     return StepSizeBounds(
         bending=limits[fastest],
@@ -349,14 +355,15 @@ def step_bounds(
         is_scaled=bool(explicit.massScaling),
         accuracy=accuracy,
         largest_frequency=frequencies[fastest],
-        cable=runs[fastest].name,
+        cable=run.name,
         contact=contact,
         safety=SAFETY_AMONG_BODIES if _are_among_bodies(runs) else SAFETY_ALONE,
-        undamped=limit(frequencies[fastest]),
+        undamped=undamped,
         damping=ratios[fastest] * frequencies[fastest],
+        damped=run.most_damped if is_lowered and isinstance(run, CoupledRun) else "",
         touching=touching,
         softer=softer,
-        is_cable=isinstance(runs[fastest], CableRun),
+        is_cable=isinstance(run, CableRun),
     )
 
 
@@ -425,10 +432,11 @@ def warn_of_damping(choice: StepChoice, duration: float) -> None:
     if bounds_step and _is_lowered_by_damping(bounds):
         other = "" if choice.explicit.integratorName == "RATTLE" else ", or take integrator='RATTLE'"
         warnings.warn(
-            f"damping of {bounds.damping:.3g} 1/s at {bounds.cable} bounds the step to {bounds.bending:.3g} "
-            f"s, where {bounds.undamped:.3g} s hold without it: dashpots that Exudyn evaluates, or whose "
-            "axes are coupled, friction in its proportional zone, drag, also by functions of loads, and "
-            f"under RK4 all dashpots and bending damping are explicit; let these damp less{other}.",
+            f"damping of {bounds.damping:.3g} 1/s at {bounds.damped or bounds.cable} bounds the step to "
+            f"{bounds.bending:.3g} s, where {bounds.undamped:.3g} s hold without it: dashpots that Exudyn "
+            "evaluates, or whose axes are coupled, damping of finite elements and native cables, friction in "
+            "its proportional zone, drag, also by functions of loads, and under RK4 all dashpots and bending "
+            f"damping are explicit; let these damp less{other}.",
             stacklevel=3,
         )
 

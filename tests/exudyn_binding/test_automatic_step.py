@@ -7,9 +7,12 @@ import numpy as np
 import pytest
 from exudyn.beams import GenerateBeamElementsAlongLine
 from exudyn.itemInterface import (
+    CoordinateConstraint,
     LoadForceVector,
     MarkerBodyPosition,
+    MarkerNodeCoordinate,
     MarkerNodePosition,
+    NodePointGround,
     ObjectANCFCable,
     ObjectANCFCable2D,
     SensorBody,
@@ -248,6 +251,90 @@ def test_light_parts_are_resolved_beside_heavy_ones(new_mbs, add_cable, solve, k
         expected = speed / width * (steps[0] - waves[0] - steps[1] + waves[1])
     error = np.sqrt(((heights - expected) ** 2).mean()) / np.abs(expected).max()
     assert error < 0.01
+
+
+def test_a_tether_in_orbit_takes_the_steps_of_one_that_only_turns(new_mbs, add_cable, add_sensor, solve):
+    """All of it flies along, with 7.7 km/s, which pulls nothing."""
+
+    def turning(speed):
+        mbs, length, masses, turn, ends = new_mbs(), 100.0, [50.0, 10.0], 0.1, []
+        section = InextensibleCable(massPerLength=0.01, bendingStiffness=0.01, axialStiffness=1e4)
+        speeds = {"velocityStart": [0, speed, 0], "velocityEnd": [0, speed + turn * length, 0]}
+        shape = CableShape.Line([0, 0, 0], [length, 0, 0], 4, **speeds)
+        cable = add_cable(mbs, beamTemplate=section, shape=shape)
+        for x, mass, node in zip([0, length], masses, cable["nodes"][::4], strict=True):
+            start = {"referencePosition": [x, 0, 0], "initialVelocity": [0, speed + turn * x, 0]}
+            end = mbs.CreateMassPoint(mass=mass, **start)
+            ends.append(mbs.AddMarker(MarkerBodyPosition(bodyNumber=end)))
+            joint = [ends[-1], mbs.AddMarker(MarkerNodePosition(nodeNumber=node))]
+            mbs.AddObject(SphericalJoint(markerNumbers=joint, constrainedAxes=[1, 1, 0]))
+        sensors = [add_sensor(mbs, node) for node in cable["nodes"]]
+        mbs.Assemble()
+        report = solve(mbs, settings=quiet_settings(4.0, 4, 1.0))
+        paths = [np.asarray(mbs.GetSensorStoredData(sensor))[:, 1:4] for sensor in sensors]
+        return report["steps"], np.array(paths) - paths[0]
+
+    (steps, path), (steps_in_orbit, path_in_orbit) = turning(0.0), turning(7700.0)
+    assert steps_in_orbit == steps
+    np.testing.assert_allclose(path_in_orbit, path, atol=1e-6)
+
+
+def test_a_towed_cable_takes_the_steps_of_one_that_hangs(new_mbs, add_cable, solve):
+    """Behind an aircraft, which climbs and falls, and flies with 80 m/s or not at all."""
+
+    def resolving_step(speed):
+        mbs = new_mbs()
+        section = InextensibleCable(massPerLength=0.2, bendingStiffness=0.05)
+        shape = CableShape.Line([0, 0], [-60, 0], 6, velocityStart=[speed, 0], velocityEnd=[speed, 0])
+        front = add_cable(mbs, beamTemplate=section, shape=shape)["nodes"][0]
+        ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+
+        def along(mbs, t, item, offset):
+            return speed * t
+
+        def across(mbs, t, item, offset):
+            return 1.0 - np.cos(t)
+
+        for coordinate, motion in enumerate((along, across)):
+            marker = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=front, coordinate=coordinate))
+            joint = {"markerNumbers": [ground, marker], "offsetUserFunction": motion}
+            mbs.AddObject(CoordinateConstraint(**joint))
+        mbs.Assemble()
+        return solve(mbs, settings=quiet_settings(0.1, 1, 0.1))["bounds"].accuracy
+
+    assert resolving_step(80.0) == pytest.approx(resolving_step(0.0))
+
+
+@pytest.mark.parametrize("floor", ["spring", "load"])
+def test_a_rope_that_falls_on_a_floor_resolves_its_fall(new_mbs, add_cable, solve, floor):
+    """What Exudyn evaluates may be hit, and stops it as fast as it comes: it is no flight then."""
+
+    def bounds_of_step(speed):
+        mbs = new_mbs()
+        section = InextensibleCable(massPerLength=0.2, bendingStiffness=0.01, axialStiffness=5e4)
+        fall = {"velocityStart": [0, -speed], "velocityEnd": [0, -speed]}
+        shape = CableShape.Line([0, 0], [2, 0.4], 8, **fall)
+        node = add_cable(mbs, beamTemplate=section, shape=shape)["nodes"][0]
+        marker = mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
+
+        def push(mbs, t, item, stretch, rate, stiffness, damping, force):
+            return min(stiffness * (stretch - 0.5), 0.0)
+
+        def hold(mbs, t, load):
+            return [0, max(-2e3 * (mbs.GetNodeOutput(node, POSITION)[1] + 0.5), 0.0), 0]
+
+        if floor == "load":
+            mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVectorUserFunction=hold))
+        else:
+            ground = mbs.CreateGround(referencePosition=[0, -1, 0])
+            ends = [mbs.AddMarker(MarkerBodyPosition(bodyNumber=ground)), marker]
+            spring = {"stiffness": 2e3, "referenceLength": 0.5, "springForceUserFunction": push}
+            mbs.AddObject(SpringDamper(markerNumbers=ends, **spring))
+        mbs.Assemble()
+        return solve(mbs, settings=quiet_settings(0.01, 1, 0.01))["bounds"]
+
+    assert bounds_of_step(20.0).accuracy < 0.25 / (20.0 * 20.0)  # steps while a wave passes an element
+    assert bounds_of_step(0.0).accuracy > 0.25 / (20.0 * 20.0)
 
 
 def test_strains_at_the_start_do_not_shorten_the_step(weighed_cantilever):
@@ -548,7 +635,9 @@ def test_damping_that_shortens_the_step_is_said_before_the_run(new_mbs, add_pend
         springForceUserFunction=force,
     )
     mbs.Assemble()
-    with pytest.warns(UserWarning, match=r"damping of .*e\+04 1/s .* bounds the step .* damp less\.$"):
+    place = f"node {mbs.GetObject(point)['nodeNumber']} "
+    match = rf"damping of .*e\+04 1/s at {place}.* bounds the step .* damp less\.$"
+    with pytest.warns(UserWarning, match=match):
         report = solve(mbs, 0.001)
     assert report["stepSize"] < 1.1e-4
 

@@ -1,10 +1,20 @@
 """The step size rule, what decides a step, and what a refusal says."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from exudyn_inext import ExplicitSettings
 from exudyn_inext.errors import StepSizeError
-from exudyn_inext.run.step_choice import StepSizeBounds, largest_step, rule_step, step_above_limit
+from exudyn_inext.run.step_choice import (
+    StepChoice,
+    StepSizeBounds,
+    largest_step,
+    rule_step,
+    step_above_limit,
+    warn_of_damping,
+)
 
 pytestmark = pytest.mark.kernel
 
@@ -47,6 +57,15 @@ def test_smallest_bound_decides_and_is_named(given, expected):
 def test_stability_limit_is_the_smaller_of_both_bounds_and_not_the_rule():
     assert bounds(bending=2.0, rule=1.0).stability_limit == 2.0
     assert bounds(stabilisation=1.5, rule=1.0).stability_limit == 1.5
+
+
+@pytest.mark.parametrize(("damped", "place"), [("node 3", "node 3"), ("", "cable 'main'")])
+def test_a_warning_of_damping_names_the_member_of_an_ensemble(damped, place):
+    slowed = bounds(bending=1e-3, undamped=1.0, damping=2e3, damped=damped)
+    choice = StepChoice(slowed, ExplicitSettings(), 1e-3, "bending")
+    of_member = replace(choice, bounds=choice.bounds_of_member(2))
+    with pytest.warns(UserWarning, match=f"1/s at {place} of member 2 bounds the step"):
+        warn_of_damping(of_member, 1.0)
 
 
 def test_steps_up_to_the_limit_are_accepted():
