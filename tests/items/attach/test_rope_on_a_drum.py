@@ -32,19 +32,24 @@ def hang(mbs, node, mass):
     mbs.AddObject(RevoluteJoint2D(markerNumbers=[marker, mbs.AddMarker(MarkerNodePosition(nodeNumber=node))]))
 
 
-@pytest.mark.parametrize(("stiffness", "share"), [(1e6, 0.25), (1e6, 2.0), (1e8, 1.05)])
+STRETCH = {"axialStiffness": 1e5, "axialDamping": 30}
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "share", "stretch"),
+    [(1e6, 0.25, STRETCH), (1e6, 2.0, STRETCH), (1e8, 1.05, STRETCH), (1e6, 0.25, {}), (1e6, 2.0, {})],
+)
 def test_the_masses_fall_by_the_friction_of_a_rope_around_a_drum(
-    new_mbs, add_sensor, solve, stiffness, share
+    new_mbs, add_sensor, solve, stiffness, share, stretch
 ):
     """T_2 = T_1 exp(mu pi), if steps resolve the pressure.
 
     stiffness: by length [N/m^2].   share: damping, of the critical one: segments bounce, or do not.
+    stretch: of the rope.
     """
     mbs, (shape, length) = new_mbs(), on_the_drum()
-    section = InextensibleCable(
-        massPerLength=MASS, bendingStiffness=1e-4, bendingDamping=1e-5, axialStiffness=1e5, axialDamping=30
-    )
-    cable = CreateInextensibleCable(mbs, shape=shape, beamTemplate=section, extensible=True)
+    section = InextensibleCable(massPerLength=MASS, bendingStiffness=1e-4, bendingDamping=1e-5, **stretch)
+    cable = CreateInextensibleCable(mbs, shape=shape, beamTemplate=section, extensible=bool(stretch))
     for node, mass in zip((cable["nodes"][0], cable["nodes"][-1]), MASSES, strict=True):
         hang(mbs, node, mass)
     segment = length / ELEMENTS / SEGMENTS
@@ -54,7 +59,7 @@ def test_the_masses_fall_by_the_friction_of_a_rope_around_a_drum(
     add_contact(mbs, CreateCompanionCables(mbs, cable), circle)
     sensor = add_sensor(mbs, cable["nodes"][-1])
     mbs.Assemble()
-    solve(mbs, END)
+    assert solve(mbs, END)["steps"] < 50_000  # explicit contact takes 290 000 and more
     time, _, y, _ = trajectory(mbs, sensor).T
     late = time > 0.1  # the rope has stretched by then
     found = 2.0 * np.polyfit(time[late], -y[late], 2)[0]
