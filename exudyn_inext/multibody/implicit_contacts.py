@@ -20,7 +20,9 @@ fast as it came, however stiff that is; with a quarter, up to three times as fas
 what bounces, since it has less than the critical damping, and pressure under which cables rub.
 
 The circle's own motion is not in W: where cables are much heavier than a circle, steps that friction turns
-round gain energy, and the watch of the run takes shorter ones.
+round gain energy, and the watch of the run takes shorter ones. Cables that do not stretch move along it as
+one, so that W makes friction on a circle that turns no softer; slip has errors that grow with h r, r the rate
+at which friction takes the circle along, and steps resolve that.
 """
 
 from collections.abc import Sequence
@@ -85,8 +87,7 @@ def contact_rates(records: Any) -> dict[int, float]:
 def fastest_rubbing_contact(contacts: Any, bodies: Any) -> float:
     """Rate of those that rub [1/s], since friction follows the pressure; 0: none does.
 
-    Or a share of that at which friction takes a circle along, of cables that do not stretch: they move along
-    it as one, so that W makes friction no softer, and slip has errors that grow with step and rate.
+    Or a share of that at which cables that do not stretch take a circle along.
 
     contacts: see `Contacts`.   bodies: of the scene.
     """

@@ -1,4 +1,4 @@
-"""The O(N) solve with contact beside the mass gives what a dense solve gives, and without it what others give."""
+"""The O(N) solve with contact beside the mass gives what a dense solve gives."""
 
 from dataclasses import replace
 
