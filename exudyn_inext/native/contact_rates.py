@@ -93,7 +93,8 @@ def open_contacts(
 
 def may_touch(mbs: Any) -> bool:
     """Whether there are circles that may touch cables, now or after they have been switched on."""
-    numbers = range(mbs.systemData.NumberOfObjects())
+    remembers = len(mbs.systemData.GetDataCoordinates()) > 0
+    numbers = range(mbs.systemData.NumberOfObjects() if remembers else 0)
     return any(mbs.GetObject(number)["objectType"] in WITH_CIRCLES for number in numbers)
 
 
