@@ -116,7 +116,7 @@ def _set_force(record, strain, rate, bend, place, duration):
     record.target[CORRECTION] = 0.0
 
 
-@inlined
+@optional("axial")
 def take_back(axes, nodes, elements):
     """What the last assembly of a step has foreseen: the same state will be assembled again."""
     for k in range(len(nodes)):
@@ -322,7 +322,7 @@ def factorise_chain(axes, nodes, elements, q):
             _add_product(axes, elements[k - 1].axial[ADDED_MASS], sides[1], sides[1], block)
             for r in range(number):
                 _add_product(axes, 1.0, rows[2 * r + 1], rows[2 * r + 1], block)
-            add_contact_mass(axes, nodes, elements, k - 1, 4, block)
+            add_contact_mass(axes, nodes, elements, k - 1, 1, block)
         if k < len(elements):
             weight = elements[k].axial[ADDED_MASS]
             _set_sides(axes, elements[k], sides)

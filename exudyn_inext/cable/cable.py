@@ -61,6 +61,7 @@ class Cable:
         the values of the discretised reference configuration.
     point_masses: concentrated masses on it.
     drag: of the fluid around it, or None.
+    pressed: whether something may touch it, see `contact_mass`.
     """
 
     reference: Array
@@ -74,6 +75,7 @@ class Cable:
     straight_lengths: bool = False
     point_masses: tuple[PointMass, ...] = ()
     drag: Drag | None = None
+    pressed: bool = False
 
     @property
     def dimension(self) -> int:

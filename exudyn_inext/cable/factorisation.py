@@ -9,6 +9,7 @@ import numpy as np
 
 from ..compiled import clear, inlined
 from ..lowered import local_array, set_multiple, subtract_multiple
+from .contact_mass import add_contact_mass, couple_by_contact
 
 
 @inlined
@@ -50,7 +51,7 @@ def _set_basis(axes, node):
 
 
 @inlined
-def add_mass(axes, node, block):
+def _add_mass(axes, node, block):
     """block += mass of the node with itself; lower triangle."""
     dim = len(axes)
     for i in range(dim):
@@ -62,7 +63,7 @@ def add_mass(axes, node, block):
 
 
 @inlined
-def add_gradient(axes, node, element, block):
+def _add_gradient(axes, node, element, block):
     """block += Jacobian of the element to the node's left; lower triangle."""
     dim = len(axes)
     for i in range(dim):
@@ -72,7 +73,7 @@ def add_gradient(axes, node, element, block):
 
 
 @inlined
-def set_coupling(axes, left, element, right, w):
+def _set_coupling(axes, left, element, right, w):
     """w = E: mass between two nodes and Jacobian of the element between them."""
     dim = len(axes)
     for i in range(dim):
@@ -96,6 +97,19 @@ def set_coupling(axes, left, element, right, w):
         w[dim + j, 2 * dim - 1] = product
     for j in range(2 * dim):
         w[2 * dim - 1, j] = 0.0
+
+
+@inlined
+def add_blocks(axes, nodes, elements, k, block, w):
+    """block += that of node k, lower triangle; w = what couples it with the next one."""
+    _add_mass(axes, nodes[k], block)
+    if k > 0:
+        _add_gradient(axes, nodes[k], elements[k - 1], block)
+        add_contact_mass(axes, nodes, elements, k - 1, 1, block)
+    if k < len(elements):
+        _set_coupling(axes, nodes[k], elements[k], nodes[k + 1], w)
+        add_contact_mass(axes, nodes, elements, k, 0, block)
+        couple_by_contact(axes, nodes, elements, k, w)
 
 
 @inlined
@@ -155,11 +169,7 @@ def factorise(axes, nodes, elements):
     clear(w)
     for k in range(len(nodes)):
         node = nodes[k]
-        add_mass(axes, node, block)
-        if k > 0:
-            add_gradient(axes, node, elements[k - 1], block)
-        if k < len(elements):
-            set_coupling(axes, node, elements[k], nodes[k + 1], w)
+        add_blocks(axes, nodes, elements, k, block, w)
         handed_on = 0.0
         if not node.ends_group:
             handed_on = _hand_on_multiplier(axes, block, w)

@@ -51,7 +51,8 @@ def _coefficients(cable: Cable) -> Any:
     if section.strain_is_relative or all_links(cable):
         return None
     mesh = cable.dimension, cable.element_lengths.tobytes(), cable.fixed.tobytes()
-    return mesh, section, cable.measure, cable.length_constraints, cable.point_masses, cable.drag
+    attached = cable.point_masses, cable.drag, cable.pressed
+    return mesh, section, cable.measure, cable.length_constraints, attached
 
 
 def in_few_chains(systems: Sequence[Any]) -> list[Systems]:

@@ -56,7 +56,7 @@ def node_type(dim: int, axial: bool = False) -> np.dtype:
 
 
 @lru_cache
-def element_type(dim: int, product: bool, axial: bool = False) -> np.dtype:
+def element_type(dim: int, product: bool, axial: bool = False, pressed: bool = False) -> np.dtype:
     """Record of an element in `dim` dimensions.
 
     mass: r-r, r-s, s-r, s-s mass of the left with the right node [kg, kg m, kg m, kg m^2].
@@ -69,7 +69,8 @@ def element_type(dim: int, product: bool, axial: bool = False) -> np.dtype:
     joined: whether joints act on the cable, see `linear_response.improve_damping`.
     drag: table of the drag.   drag_law: its coefficients and the flow.
     axial: as for nodes.   bending: EI / (3 l) [N m], empty without axial stiffness.
-    contact: beside the mass of both nodes, see `contact_mass`, empty without axial stiffness and in space.
+    contact: beside the mass of both nodes, see `contact_mass`; empty in space, and of what neither stretches
+        nor is pressed.
     touches: whether it is not zero.
     slope_gram: slope Gram matrix in difference coordinates; zero without length constraint.
     reference_length: int |r_x|^2 dx in the reference configuration [m].
@@ -93,7 +94,7 @@ def element_type(dim: int, product: bool, axial: bool = False) -> np.dtype:
             ("lag", NUMBER),
             ("axial", NUMBER, (AXIAL_SIZE if axial else 0,)),
             ("bending", NUMBER, (1 if axial else 0,)),
-            ("contact", NUMBER, (8 if axial and dim == 2 else 0, 8)),
+            ("contact", NUMBER, (8 if (axial or pressed) and dim == 2 else 0, 8)),
             ("slope_gram", NUMBER, (3, 3)),
             ("reference_length", NUMBER),
             ("per_length", NUMBER),

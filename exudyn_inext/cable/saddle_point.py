@@ -14,6 +14,7 @@ from ..arrays import Array
 from ..compiled import clear, inlined, optional
 from ..lowered import local_array, subtract_multiple
 from .chain import Chain
+from .contact_mass import subtract_contact_along
 from .factorisation import place_in_lower
 
 
@@ -77,6 +78,7 @@ def _reduce_constrained(axes, nodes, elements, k, column, c, z):
     if k < len(elements):
         m = elements[k].mass
         _subtract_along(axes, column, nodes[k + 1], m[1], m[3], on_position, on_slope)
+    subtract_contact_along(axes, nodes, elements, k, column, on_position, on_slope)
     for i in range(dim):
         z[c, i] = node.free[0] * on_position[i, 0]
     for j in range(dim - 1):

@@ -13,6 +13,7 @@ from ..errors import InextensibleError, InputError, SceneError
 from ..garbage import not_collected
 from ..items.functions_of_time import functions_at_rest, step_functions, take_word
 from ..items.parameters import Parameter, markers_placed_by, objects_at
+from ..native.contact_rates import may_touch
 from ..native.coupled_scene import CoupledScene
 from ..native.evaluated_scene import CoupledCable
 from ..native.native_items import switched_off
@@ -136,7 +137,10 @@ def runs_of_scene(
         )
     if not (is_coupled or needs_coupling(scene)):
         return runs_of_cables(mbs, scene.cables, time, h, explicit, bool(step_functions(mbs)))
-    unloaded = [cable.among_others for cable in scene.cables]  # Exudyn evaluates the loads
+    pressed = may_touch(mbs)
+    unloaded = [  # Exudyn evaluates the loads
+        replace(cable.among_others, cable=replace(cable.cable, pressed=pressed)) for cable in scene.cables
+    ]
     runs = runs_of_cables(mbs, unloaded, time, h, explicit)
     cables = [CoupledCable(run.scene_cable, run.system, run.loads) for run in runs]
     start, why = Start(time, h, explicit), _shortened(scene.foreign)

@@ -45,6 +45,7 @@ CONTACT = record_type(
         ("length", np.float64),  # of a segment
         ("height", np.float64),  # of the ends above the cable's axis
         ("implicit", np.bool_),  # whether it may be, see `implicit_contacts`
+        ("stretches", np.bool_),  # whether its cable does
         ("lag", np.float64),  # the step h [s] where it is; 0: it is explicit
         ("mass", np.float64),  # of a segment [kg]
         ("wrench", np.float64, (6,)),

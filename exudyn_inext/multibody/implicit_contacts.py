@@ -20,7 +20,9 @@ fast as it came, however stiff that is; with a quarter, up to three times as fas
 what bounces, since it has less than the critical damping, and pressure under which cables rub.
 
 The circle's own motion is not in W: where cables are much heavier than a circle, steps that friction turns
-round gain energy, and the watch of the run takes shorter ones.
+round gain energy, and the watch of the run takes shorter ones. Cables that do not stretch move along it as
+one, so that W makes friction on a circle that turns no softer; slip has errors that grow with h r, r the rate
+at which friction takes the circle along, and steps resolve that.
 """
 
 from collections.abc import Sequence
@@ -39,13 +41,16 @@ from ..lowered import COUNT, REAL, VECTOR, local_array
 from .cables import Cables, one_chain, provides
 from .circle_contacts import CONTACT as CONTACT_WITH_CIRCLE
 from .circle_contacts import NOW, Contacts, add_end, pull_by_masses
+from .points import ON_BODY
 
 NOTHING, AGAIN = -1, -2
+ABOUT_Z = 5  # row of a body's mass
+OF_DRAG = 0.05  # of the rate at which a circle is taken along: slip is then within 1 % of small steps
 _STIFFNESSES = "stiffness", "friction_stiffness"
 
 
 def mark_implicit(cables: Cables, chains: Sequence[Any], records: Any) -> bool:
-    """Set which contacts may be implicit: those of planar cables that stretch.
+    """Set which contacts may be implicit: those of planar cables, in a GeneralContact if they stretch.
 
     Args:
         cables, chains: systems of all.   records: of the contacts, in place.
@@ -53,9 +58,13 @@ def mark_implicit(cables: Cables, chains: Sequence[Any], records: Any) -> bool:
     Returns:
         Whether there are any.
     """
+    of_circles = records.dtype == CONTACT_WITH_CIRCLE
     for offset, system in zip(cables.dofs.tolist(), chains, strict=False):
-        of_these = records["nodes"][:, 0] >= offset
-        records["implicit"][of_these] = system.chain.elements["contact"].size > 0
+        of_these, elements = records["nodes"][:, 0] >= offset, system.chain.elements
+        stretches = elements["axial"].size > 0
+        records["implicit"][of_these] = elements["contact"].size > 0 and (of_circles or stretches)
+        if of_circles:
+            records["stretches"][of_these] = stretches
     return bool(records["implicit"].any())
 
 
@@ -75,10 +84,29 @@ def contact_rates(records: Any) -> dict[int, float]:
     return dict(zip(own["place"].tolist(), (rates * (bounces | _rubs(own))).tolist(), strict=True))
 
 
-def fastest_rubbing_contact(records: Any) -> float:
-    """Rate of those that rub [1/s], since friction follows the pressure; 0: none does."""
-    own = _implicit(records)
-    return float((_rates(own)[0] * _rubs(own)).max(initial=0.0))
+def fastest_rubbing_contact(contacts: Any, bodies: Any) -> float:
+    """Rate of those that rub [1/s], since friction follows the pressure; 0: none does.
+
+    Or a share of that at which cables that do not stretch take a circle along.
+
+    contacts: see `Contacts`.   bodies: of the scene.
+    """
+    own = _implicit(contacts.records)
+    turning = [_rate_of_circle(own, number, contacts.points, bodies) for number in np.unique(own["circle"])]
+    return float(max((_rates(own)[0] * _rubs(own)).max(initial=0.0), *turning, 0.0))
+
+
+def _rate_of_circle(records: Any, number: int, points: Any, bodies: Any) -> float:
+    """See `fastest_rubbing_contact`: of a body that turns, by one turn of the cables around it at most."""
+    point = points[number]
+    own = records[(records["circle"] == number) & ~records["stretches"] & (records["friction"] > 0.0)]
+    if point["kind"] != ON_BODY or not len(own):
+        return 0.0
+    body, radius = bodies[point["body"]], own["radius"].max()
+    turns = radius**2 * body["inverse"][ABOUT_Z, ABOUT_Z] if body["rotations"] else 0.0
+    length = (own["length"] * own["segments"]).sum()
+    viscosity = (own["viscosity"] * own["segments"]).sum() * min(1.0, 2.0 * np.pi * radius / length)
+    return OF_DRAG * float(viscosity * turns)
 
 
 def _rates(records: Any) -> tuple[Any, Any]:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..cable.factorisation import add_gradient, add_mass, set_coupling
+from ..cable.factorisation import add_blocks
 from ..compiled import clear, inlined
 from ..lowered import local_array
 
@@ -56,11 +56,7 @@ def copy_chain(axes, nodes, elements, block, basis, free):
     for k in range(len(nodes)):
         node = nodes[k]
         clear(own)
-        add_mass(axes, node, own)
-        if k > 0:
-            add_gradient(axes, node, elements[k - 1], own)
-        if k < len(elements):
-            set_coupling(axes, node, elements[k], nodes[k + 1], coupling)
+        add_blocks(axes, nodes, elements, k, own, coupling)
         for i in range(2 * dim):
             for j in range(2 * dim):
                 block[k, 0, i, j] = own[i, j]

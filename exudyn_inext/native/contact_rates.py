@@ -91,6 +91,13 @@ def open_contacts(
     return OpenContacts(*springs, rate, _name(found), STIFFNESSES, DAMPINGS)
 
 
+def may_touch(mbs: Any) -> bool:
+    """Whether there are circles that may touch cables, now or after they have been switched on."""
+    remembers = len(mbs.systemData.GetDataCoordinates()) > 0
+    numbers = range(mbs.systemData.NumberOfObjects() if remembers else 0)
+    return any(mbs.GetObject(number)["objectType"] in WITH_CIRCLES for number in numbers)
+
+
 def _springs(
     mbs: Any, contacts: Sequence[_OpenContact], coordinates: CoordinateMap, size: int
 ) -> tuple[Any, Array, Array]:

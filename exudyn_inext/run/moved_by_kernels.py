@@ -52,8 +52,9 @@ class MovedByKernels(Mover):
         self.given, self.data = form.given, form.data
         self.takes_impulses = not (self._integrator.stabilised or form.loads.vary_on_cables)
         if self._may_damp:
+            bodies = form.system.items.bodies
             self.implicit_contacts = contact_rates(form.contacts.records)
-            self.fastest_rubbing_contact = fastest_rubbing_contact(form.contacts.records)
+            self.fastest_rubbing_contact = fastest_rubbing_contact(form.contacts, bodies)
         self._foreseen = state.q.copy(), state.v.copy()  # at the end of a step
         self._beginnings: dict[Callable[..., None], Prepared] = {}
         self._end_of_step = 0.0  # until which joints are moved [s]

@@ -71,6 +71,7 @@ from exudyn_inext.native.coupled_scene import CoupledScene
 from exudyn_inext.native.friction_check import FrictionCheck
 from exudyn_inext.native.known import scene
 from exudyn_inext.native.known.connectors import read_connector
+from exudyn_inext.run.moved_by_kernels import MovedByKernels
 from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import COARSE
 
@@ -850,13 +851,14 @@ each_kind = pytest.mark.parametrize(("kind", "dimension"), PAIRS)
 
 
 def moved(build, integrator, compiled, steps=STEPS, outputs=2):
-    """Coordinates and multipliers after the steps, and the path that they took."""
+    """Coordinates and multipliers after the steps, and the path that they took; contact is explicit."""
     mbs = build()
     mbs.Assemble()
     explicit = ExplicitSettings(integrator, stepSize=STEP, startTolerance=100.0)
     if integrator == "RATTLE":
         explicit = replace(explicit, massScaling=0.3, integrator=Rattle(tolerance=1e-13))
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(MovedByKernels, "_may_damp", False)
         if not compiled:
             patch.setattr(CoupledScene, "compiled", lambda *_: (None, "this test"))
             patch.setattr(CoupledScene, "compile_parts", lambda *_: None)

@@ -17,6 +17,7 @@ from exudyn.itemInterface import (
 from exudyn_inext import (
     AddMarkerOnCable,
     CableShape,
+    CreateCompanionCables,
     CreateInextensibleCable,
     ExplicitSettings,
     InextensibleCable,
@@ -27,6 +28,7 @@ from exudyn_inext.errors import RedundantConstraintError
 from exudyn_inext.multibody import build_joints
 from exudyn_inext.multibody.build_nodes import MANY
 from reference_models.model import quiet_settings, silence
+from tests.items.attach.contact import Circle, add_contact
 
 CABLE = InextensibleCable(massPerLength=0.2, bendingStiffness=0.02)
 STEP, STEPS = 2e-4, 100
@@ -218,3 +220,20 @@ def test_the_support_of_a_crowded_cable_carries_it():
         SolveExplicit(mbs, quiet_settings(0.01, 1))
     found = np.abs(mbs.GetSensorStoredData(sensor)[:, 1])
     np.testing.assert_allclose(found, 10 * (0.2 + 12 * 0.1), rtol=1e-6)
+
+
+def test_a_crowded_cable_on_a_circle_moves_as_without_unknowns_of_its_nodes(monkeypatch):
+    """Contact is in the matrix of its nodes, as in the cable's own solve."""
+    found = []
+    for many in (MANY, 10 * MANY):
+        monkeypatch.setattr(build_joints, "MANY", many)
+        crowd = mass_points()
+        middle, radius = SIDE * (len(crowd.places) - 1) / 2, 0.5
+        circle = crowd.mbs.CreateGround(referencePosition=[middle, 1e-3 - radius, 0])
+        law = Circle(radius, 1e4, 20.0, 0.3, friction_damping=50.0)
+        add_contact(crowd.mbs, CreateCompanionCables(crowd.mbs, crowd.cable), law, circle)
+        q, _, report = moved(crowd.mbs, "RATTLE")
+        assert "in one compiled call" in report["path"]
+        assert (crowd.mbs.systemData.GetDataCoordinates() < 0.0).any()
+        found.append(q)
+    np.testing.assert_allclose(*found, rtol=0, atol=1e-8 * np.abs(found[0]).max())

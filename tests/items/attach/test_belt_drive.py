@@ -139,7 +139,10 @@ def test_a_general_contact_that_does_nothing_leaves_it_in_compiled_code(belt_dri
 
 @pytest.fixture
 def by_both(belt_drive, solve, monkeypatch):
-    """(look at mbs, settings) -> what it saw after a compiled run, and after one that Exudyn evaluates."""
+    """(look at mbs, settings) -> what it saw after a compiled run, and after one that Exudyn evaluates.
+
+    RK4 takes contact explicitly in both of them.
+    """
 
     def run(look, steps=10, **explicit):
         found = []
@@ -147,7 +150,8 @@ def by_both(belt_drive, solve, monkeypatch):
             mbs, sensors = belt_drive(**BRISTLES)
             forces = [add_force_sensor(mbs, number) for number in contacts_of(mbs)]
             mbs.Assemble()
-            report = solve(mbs, settings=quiet_settings(3e-3, steps), stepSize=3e-5, **explicit)
+            settings = quiet_settings(3e-3, steps)
+            report = solve(mbs, settings=settings, stepSize=3e-5, integrator="RK4", **explicit)
             assert path in report["path"]
             found.append(look(mbs, sensors, forces, report))
             monkeypatch.setattr(CoupledScene, "compiled", lambda *_: (None, "this test"))
@@ -192,7 +196,8 @@ def test_contact_that_is_changed_is_evaluated_by_exudyn_from_then_on(belt_drive,
             mbs.SetPreStepUserFunction(loosen)
         else:
             mbs.SetPreStepUserFunction(lambda mbs, t: True)
-        assert path in solve(mbs, settings=quiet_settings(3e-3, 20), stepSize=3e-5)["path"]
+        settings = quiet_settings(3e-3, 20)
+        assert path in solve(mbs, settings=settings, stepSize=3e-5, integrator="RK4")["path"]
         found.append(turns(mbs, sensors))
         if len(found) == 2:
             monkeypatch.setattr(CoupledScene, "compiled", lambda *_: (None, "this test"))

@@ -172,7 +172,7 @@ def native(build):
     return run
 
 
-@pytest.mark.parametrize("elements", [12, 24])
+@pytest.mark.parametrize("elements", [16, 24])
 def test_a_wheel_turns_as_a_native_one_at_any_step_that_is_accepted(build, native, solve, elements):
     expected = native(elements)
     assert expected[0] < -0.1
@@ -185,8 +185,9 @@ def test_a_wheel_turns_as_a_native_one_at_any_step_that_is_accepted(build, nativ
 
 
 @STRIKES
+@pytest.mark.parametrize("extensible", [False, True])
 @pytest.mark.parametrize("gap, damping", [(GAP, 1.0), (GAP, 20.0), (CLOSED, 1.0)])
-def test_contact_does_not_bound_the_step_of_a_cable_that_stretches(build, native, solve, gap, damping):
+def test_contact_does_not_bound_the_step_of_a_planar_cable(build, native, solve, gap, damping, extensible):
     """Dashpots let it decay by up to 160000 1/s, across the cable; steps are of order 2 all the same."""
 
     def touch(mbs, elements, circle, body):
@@ -195,7 +196,7 @@ def test_contact_does_not_bound_the_step_of_a_cable_that_stretches(build, native
     scene, found = {"touch": touch, "gap": gap}, []
     expected = native(16, **scene)
     for step in (None, 2e-5, 1e-5):
-        mbs, sensors = build(16, extensible=True, **scene)
+        mbs, sensors = build(16, extensible=extensible, **scene)
         report = solve(mbs, END, stepSize=step)
         found.append(at_the_end(mbs, sensors))
         assert report["bounds"].contact > 1e-3  # 2 d / k; explicit dashpots: 2.4e-5 s
@@ -205,8 +206,11 @@ def test_contact_does_not_bound_the_step_of_a_cable_that_stretches(build, native
 
 
 @STRIKES
+@pytest.mark.parametrize("extensible", [False, True])
 @pytest.mark.parametrize("share", [0.0, 0.5])
-def test_a_step_resolves_that_segments_bounce_which_are_damped_weakly(build, native, solve, share):
+def test_a_step_resolves_that_segments_bounce_which_are_damped_weakly(
+    build, native, solve, share, extensible
+):
     """At sqrt(k / m), however stiff the cable is in bending.   share: of the critical damping."""
     critical, segment = [], []
 
@@ -216,7 +220,7 @@ def test_a_step_resolves_that_segments_bounce_which_are_damped_weakly(build, nat
         segment.append((circle.stiffness, mass))
         add_contact(mbs, elements, replace(circle, damping=share * critical[0]), body)
 
-    mbs, sensors = build(16, touch=touch, extensible=True)
+    mbs, sensors = build(16, touch=touch, extensible=extensible)
     report = solve(mbs, END)
     stiffness, mass = segment[0]
     assert report["bounds"].contact == pytest.approx(2.0 * np.sqrt(mass / stiffness), rel=1e-4)
@@ -225,15 +229,16 @@ def test_a_step_resolves_that_segments_bounce_which_are_damped_weakly(build, nat
 
 
 @STRIKES
+@pytest.mark.parametrize("extensible", [False, True])
 @pytest.mark.parametrize("inertia, most", [(8e-4, 10_000), (1e-4, 60_000)])
-def test_a_light_wheel_turns_as_a_native_one(build, native, solve, monkeypatch, inertia, most):
+def test_a_light_wheel_turns_as_a_native_one(build, native, solve, monkeypatch, inertia, most, extensible):
     """It has a third, or a 25th, of the mass of the cable on it; dashpots would need 4 and 0.5 us.
 
     most: steps; explicit contact takes 76 000 and 528 000.
     """
     monkeypatch.setattr("tests.items.attach.test_contact_steps.INERTIA", inertia)
     expected = native(16, step=5e-5)  # where it has converged
-    mbs, sensors = build(16, extensible=True)
+    mbs, sensors = build(16, extensible=extensible)
     assert solve(mbs, END)["steps"] < most
     np.testing.assert_allclose(at_the_end(mbs, sensors), expected, rtol=0.02)
 
@@ -254,9 +259,9 @@ def test_contact_that_is_damped_implicitly_is_the_same_scene_after_a_load_was_ch
     assert turns[1] < 1.5 * turns[0] < 0.0
 
 
-def on_a_rod(build, touch):
-    """A cable that stretches and falls on a wheel that turns, one end on a rod: that joint is corrected."""
-    mbs, sensors = build(16, touch=touch, speed=5.0, extensible=True)
+def on_a_rod(build, touch, extensible):
+    """A cable falls on a wheel that turns, one end on a rod: that joint is corrected."""
+    mbs, sensors = build(16, touch=touch, speed=5.0, extensible=extensible)
     end = mbs.GetSensor(sensors[1])["nodeNumber"]
     x, y = mbs.GetNodeParameter(end, "referenceCoordinates")[:2]
     far = MarkerBodyPosition(bodyNumber=mbs.CreateGround(referencePosition=[x + 0.1, y, 0]))
@@ -270,10 +275,15 @@ def in_general_contact(mbs, elements, circle, wheel):
     add_general_contact(mbs, elements, circle, mbs.AddMarker(MarkerBodyRigid(bodyNumber=wheel)))
 
 
-@pytest.mark.parametrize(("touch", "step"), [(add_contact, 2e-5), (in_general_contact, 2.5e-4)])
-def test_a_run_goes_on_from_its_file_bit_for_bit_while_a_wheel_rubs(build, solve, tmp_path, touch, step):
+@pytest.mark.parametrize(
+    ("touch", "step", "extensible"),
+    [(add_contact, 2e-5, False), (add_contact, 2e-5, True), (in_general_contact, 2.5e-4, True)],
+)
+def test_a_run_goes_on_from_its_file_bit_for_bit_while_a_wheel_rubs(
+    build, solve, tmp_path, touch, step, extensible
+):
     """What presses the cable is in the matrix by which the next step corrects joints."""
-    whole, first, second = (on_a_rod(build, touch) for _ in range(3))
+    whole, first, second = (on_a_rod(build, touch, extensible) for _ in range(3))
     solve(whole, 0.016, stepSize=step)
     for mbs, end in ((first, 0.012), (second, 0.016)):
         report = solve(mbs, settings=restarting(quiet_settings(end, 1), tmp_path), stepSize=step)
@@ -295,16 +305,19 @@ def momentum(mbs, nodes):
     return total
 
 
-def spinning(new_mbs, touch, speed=10.0):
-    """A wheel spins, half a turn of a cable on it, of which one end is on the wheel: mbs, and its nodes."""
+def spinning(new_mbs, touch, stiffness, speed=10.0):
+    """A wheel spins, half a turn of a cable on it, of which one end is on the wheel: mbs, and its nodes.
+
+    stiffness: EA of the cable [N], or None.
+    """
     mbs = new_mbs()
     angle = np.linspace(0.0, np.pi, 13)
     out = np.column_stack([np.cos(angle), np.sin(angle)])
     along = np.column_stack([-out[:, 1], out[:, 0]])
     rates = {"velocities": speed * RADIUS * along, "slopeVelocities": -speed * out}
-    section = InextensibleCable(massPerLength=LIGHT, bendingStiffness=2e-4, axialStiffness=2e4)
-    line = {"shape": CableShape(RADIUS * out, along, **rates), "beamTemplate": section, "extensible": True}
-    cable = CreateInextensibleCable(mbs, **line)
+    section = InextensibleCable(massPerLength=LIGHT, bendingStiffness=2e-4, axialStiffness=stiffness)
+    line = {"shape": CableShape(RADIUS * out, along, **rates), "beamTemplate": section}
+    cable = CreateInextensibleCable(mbs, **line, extensible=stiffness is not None)
     wheel, node = add_wheel(mbs, speed)
     end = {"referencePosition": [-RADIUS, 0, 0], "initialVelocity": [0, -speed * RADIUS, 0]}
     body = mbs.CreateMassPoint(mass=MASSES[0], create2D=True, **end)
@@ -321,10 +334,12 @@ def spinning(new_mbs, touch, speed=10.0):
 
 
 @STRIKES
-@pytest.mark.parametrize("touch", [add_contact, in_general_contact])
-def test_a_wheel_and_the_cable_that_rubs_on_it_keep_their_momentum(new_mbs, solve, touch):
+@pytest.mark.parametrize(
+    ("touch", "stiffness"), [(add_contact, None), (add_contact, 2e4), (in_general_contact, 2e4)]
+)
+def test_a_wheel_and_the_cable_that_rubs_on_it_keep_their_momentum(new_mbs, solve, touch, stiffness):
     """What joints at the cable's ends do to it changes friction, which is implicit: the wheel feels that."""
-    mbs, nodes = spinning(new_mbs, touch)
+    mbs, nodes = spinning(new_mbs, touch, stiffness)
     before = momentum(mbs, nodes)
     solve(mbs, END, stepSize=1e-4)
     assert momentum(mbs, nodes) == pytest.approx(before, rel=1e-4)
@@ -340,23 +355,23 @@ def pulling(load, force):
     return pull
 
 
-@pytest.mark.parametrize("massScaling", [0.0, 0.3])
-def test_a_step_that_friction_would_not_survive_is_refused_with_its_reason(build, solve, massScaling):
+def test_a_step_that_explicit_friction_would_not_survive_is_refused_with_its_reason(build, solve):
     mbs, _ = build(16)
     says = (
-        r"stepSize = 0.0001 s is above 2\.\d+e-05 s, .* contacts close: object \d+ .*ContactFrictionCircle.*"
+        r"stepSize = 0.0001 s is above 6\.\d+e-05 s, .* contacts close: object \d+ .*ContactFrictionCircle.*"
         r"frictionVelocityPenalty = .* and 15 more .*: reduce the step below .*, or lower their "
         r"contactDamping and frictionVelocityPenalty\.$"
     )
     with pytest.raises(StepSizeError, match=says):
-        solve(mbs, END, stepSize=1e-4, massScaling=massScaling)
+        solve(mbs, END, stepSize=1e-4, integrator="RK4")
     with pytest.warns(UserWarning, match=says):
-        solve(mbs, 1e-3, stepSize=1e-4, massScaling=massScaling, allowUnstableStep=True)
+        solve(mbs, 1e-3, stepSize=1e-4, integrator="RK4", allowUnstableStep=True)
 
 
 def test_the_remedy_that_is_named_for_friction_works(build, solve):
     """A twentieth of the dashpots; the step that was refused is accepted."""
-    assert solve(build(16, touch=with_bristles(0.0, 0.05))[0], 1e-3, stepSize=1e-4)["success"]
+    mbs, _ = build(16, touch=with_bristles(0.0, 0.05))
+    assert solve(mbs, 1e-3, stepSize=1e-4, integrator="RK4")["success"]
 
 
 @pytest.mark.parametrize("gap", [GAP, CLOSED])
@@ -365,10 +380,9 @@ def test_a_wheel_turns_as_a_native_one_with_and_without_bristles(build, native, 
     """Warnings are errors: nothing is said of it either."""
     scene = {"touch": with_bristles(relaxation, 0.1), "gap": gap}
     expected = native(16, **scene)
-    limit = solve(build(16, **scene)[0], 1e-3)["bounds"].stability_limit
-    for share, massScaling in ((0.98, 0.0), (0.61, 0.3), (0.23, 0.0)):
+    for step, massScaling in ((1e-4, 0.0), (5e-5, 0.3), (2e-5, 0.0)):
         mbs, sensors = build(16, **scene)
-        solve(mbs, END, stepSize=share * limit, massScaling=massScaling)
+        solve(mbs, END, stepSize=step, massScaling=massScaling)
         np.testing.assert_allclose(at_the_end(mbs, sensors), expected, rtol=0.02)
 
 
@@ -410,7 +424,7 @@ def test_contact_without_friction_is_known_as_well(build, native, solve):
     expected = native(16, add_frictionless_contact)
     mbs, sensors = build(16, touch=add_frictionless_contact)
     bounds = solve(mbs, END)["bounds"]
-    assert bounds.contact < 0.5 * bounds.bending
+    assert bounds.contact < bounds.bending
     found = at_the_end(mbs, sensors)
     assert found[0] == 0.0
     assert found[1] == pytest.approx(expected[1], rel=0.02)

@@ -1,8 +1,18 @@
-"""A rope slides over a drum that stands still: Euler-Eytelwein's friction, with implicit contact."""
+"""A rope over a drum that stands still, by Euler-Eytelwein, or over a pulley that turns, by Atwood."""
 
 import numpy as np
 import pytest
-from exudyn.itemInterface import Force, MarkerBodyPosition, MarkerNodePosition, RevoluteJoint2D
+from exudyn.itemInterface import (
+    CoordinateConstraint,
+    Force,
+    MarkerBodyPosition,
+    MarkerNodeCoordinate,
+    MarkerNodePosition,
+    NodePointGround,
+    NodeRigidBody2D,
+    ObjectRigidBody2D,
+    RevoluteJoint2D,
+)
 
 from exudyn_inext import CableShape, CreateCompanionCables, CreateInextensibleCable, InextensibleCable
 from tests.exudyn_binding.items import trajectory
@@ -12,6 +22,7 @@ RADIUS, SIDE, ELEMENTS = 0.1, 0.8, 48  # [m]
 FRICTION, MASSES, GRAVITY = 0.3, (1.0, 4.0), 9.81
 MASS = 0.01  # of the rope [kg/m]
 END = 0.4  # [s]
+PULLEY = 0.5  # moment of inertia over the squared radius [kg]
 
 
 def on_the_drum():
@@ -32,19 +43,24 @@ def hang(mbs, node, mass):
     mbs.AddObject(RevoluteJoint2D(markerNumbers=[marker, mbs.AddMarker(MarkerNodePosition(nodeNumber=node))]))
 
 
-@pytest.mark.parametrize(("stiffness", "share"), [(1e6, 0.25), (1e6, 2.0), (1e8, 1.05)])
+STRETCH = {"axialStiffness": 1e5, "axialDamping": 30}
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "share", "stretch"),
+    [(1e6, 0.25, STRETCH), (1e6, 2.0, STRETCH), (1e8, 1.05, STRETCH), (1e6, 0.25, {}), (1e6, 2.0, {})],
+)
 def test_the_masses_fall_by_the_friction_of_a_rope_around_a_drum(
-    new_mbs, add_sensor, solve, stiffness, share
+    new_mbs, add_sensor, solve, stiffness, share, stretch
 ):
     """T_2 = T_1 exp(mu pi), if steps resolve the pressure.
 
     stiffness: by length [N/m^2].   share: damping, of the critical one: segments bounce, or do not.
+    stretch: of the rope.
     """
     mbs, (shape, length) = new_mbs(), on_the_drum()
-    section = InextensibleCable(
-        massPerLength=MASS, bendingStiffness=1e-4, bendingDamping=1e-5, axialStiffness=1e5, axialDamping=30
-    )
-    cable = CreateInextensibleCable(mbs, shape=shape, beamTemplate=section, extensible=True)
+    section = InextensibleCable(massPerLength=MASS, bendingStiffness=1e-4, bendingDamping=1e-5, **stretch)
+    cable = CreateInextensibleCable(mbs, shape=shape, beamTemplate=section, extensible=bool(stretch))
     for node, mass in zip((cable["nodes"][0], cable["nodes"][-1]), MASSES, strict=True):
         hang(mbs, node, mass)
     segment = length / ELEMENTS / SEGMENTS
@@ -54,7 +70,7 @@ def test_the_masses_fall_by_the_friction_of_a_rope_around_a_drum(
     add_contact(mbs, CreateCompanionCables(mbs, cable), circle)
     sensor = add_sensor(mbs, cable["nodes"][-1])
     mbs.Assemble()
-    solve(mbs, END)
+    assert solve(mbs, END)["steps"] < 50_000  # explicit contact takes 290 000 and more
     time, _, y, _ = trajectory(mbs, sensor).T
     late = time > 0.1  # the rope has stretched by then
     found = 2.0 * np.polyfit(time[late], -y[late], 2)[0]
@@ -62,3 +78,37 @@ def test_the_masses_fall_by_the_friction_of_a_rope_around_a_drum(
     grip = np.exp(FRICTION * np.pi)
     expected = (heavy - grip * light) / (heavy + grip * light + MASS * length) * GRAVITY
     assert found == pytest.approx(expected, rel=0.03)
+
+
+def add_pulley(mbs):
+    """A body that turns about the origin."""
+    node = mbs.AddNode(NodeRigidBody2D(referenceCoordinates=[0, 0, 0]))
+    body = mbs.AddObject(ObjectRigidBody2D(nodeNumber=node, mass=1.0, inertia=PULLEY * RADIUS**2))
+    ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+    for axis in (0, 1):
+        marker = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=axis))
+        mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, marker]))
+    return body, node
+
+
+@pytest.mark.parametrize("stretch", [{}, STRETCH])
+def test_a_rope_turns_the_pulley_of_an_atwood_machine(new_mbs, add_sensor, solve, stretch):
+    """a = (m_2 - m_1) g / (m_1 + m_2 + J / R^2 + rope); the rope's weight makes less than 1 % of it."""
+    mbs, (shape, length) = new_mbs(), on_the_drum()
+    section = InextensibleCable(massPerLength=MASS, bendingStiffness=1e-4, bendingDamping=1e-5, **stretch)
+    cable = CreateInextensibleCable(mbs, shape=shape, beamTemplate=section, extensible=bool(stretch))
+    light, heavy = 1.0, 1.5
+    for node, mass in zip((cable["nodes"][0], cable["nodes"][-1]), (light, heavy), strict=True):
+        hang(mbs, node, mass)
+    segment, (pulley, turning) = length / ELEMENTS / SEGMENTS, add_pulley(mbs)
+    damping = 4.0 * np.sqrt(1e6 * MASS) * segment
+    circle = Circle(0.9995 * RADIUS, 1e6 * segment, damping, FRICTION, friction_damping=1e4 * segment)
+    add_contact(mbs, CreateCompanionCables(mbs, cable), circle, pulley)
+    end, turn = add_sensor(mbs, cable["nodes"][-1]), add_sensor(mbs, turning, "Coordinates")
+    mbs.Assemble()
+    solve(mbs, END)
+    (time, _, y, _), angle = trajectory(mbs, end).T, trajectory(mbs, turn)[:, 3]
+    late = time > 0.1
+    expected = (heavy - light) * GRAVITY / (light + heavy + PULLEY + MASS * length)
+    assert 2.0 * np.polyfit(time[late], -y[late], 2)[0] == pytest.approx(expected, rel=0.01)
+    assert -RADIUS * 2.0 * np.polyfit(time[late], angle[late], 2)[0] == pytest.approx(expected, rel=0.01)
