@@ -13,7 +13,7 @@ from ..errors import InextensibleError, InputError, SceneError
 from ..garbage import not_collected
 from ..items.functions_of_time import functions_at_rest, step_functions, take_word
 from ..items.parameters import Parameter, markers_placed_by, objects_at
-from ..native.contact_rates import may_touch
+from ..native.contact_rates import has_circles
 from ..native.coupled_scene import CoupledScene
 from ..native.evaluated_scene import CoupledCable
 from ..native.native_items import switched_off
@@ -137,7 +137,7 @@ def runs_of_scene(
         )
     if not (is_coupled or needs_coupling(scene)):
         return runs_of_cables(mbs, scene.cables, time, h, explicit, bool(step_functions(mbs)))
-    pressed = may_touch(mbs)
+    pressed = has_circles(mbs)
     unloaded = [  # Exudyn evaluates the loads
         replace(cable.among_others, cable=replace(cable.cable, pressed=pressed)) for cable in scene.cables
     ]

@@ -91,7 +91,7 @@ def open_contacts(
     return OpenContacts(*springs, rate, _name(found), STIFFNESSES, DAMPINGS)
 
 
-def may_touch(mbs: Any) -> bool:
+def has_circles(mbs: Any) -> bool:
     """Whether there are circles that may touch cables, now or after they have been switched on."""
     remembers = len(mbs.systemData.GetDataCoordinates()) > 0
     numbers = range(mbs.systemData.NumberOfObjects() if remembers else 0)

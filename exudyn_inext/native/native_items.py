@@ -264,13 +264,15 @@ class NativeItems:
     @property
     def may_touch(self) -> bool:
         """Whether something may be hit: contact, or what functions make of springs, objects and loads."""
+        if self.has_contact:
+            return True
         mbs, data = self._mbs, self._mbs.systemData
         objects = (mbs.GetObject(number) for number in range(data.NumberOfObjects()))
         loads = (mbs.GetLoad(number) for number in range(data.NumberOfLoads()))
         given = [item.get(key) for item in objects if not find_cable_item(item) for key in _OF_FORCES]
         of_loads = [item.get(key) for item in loads for key in _OF_LOADS]
         of_state = (one and not is_of_time_alone(mbs, one) for one in of_loads)
-        return self.has_contact or any(given) or any(of_state)
+        return any(given) or any(of_state)
 
     @property
     def depths_of_contacts(self) -> Array | None:

@@ -345,26 +345,27 @@ def step_bounds(
     limits = [limit(w, ratio) for w, ratio in zip(frequencies, ratios, strict=True)]
     contact, touching, softer = _contact_bound(runs, limit)
     fastest = limits.index(min(limits))
-    undamped, run = limit(frequencies[fastest]), runs[fastest]
-    is_lowered = undamped > MUCH * limits[fastest]
+    decisive = runs[fastest]
     cables = [cable for run in runs for cable in run.cables]
-    return StepSizeBounds(
+    bounds = StepSizeBounds(
         bending=limits[fastest],
         stabilisation=decay_limit(integrator, scheme) / explicit.stabilizationRate if cables else math.inf,
         rule=min((rule_of_cable(cable, explicit.stepConstant) for cable in cables), default=math.inf),
         is_scaled=bool(explicit.massScaling),
         accuracy=accuracy,
         largest_frequency=frequencies[fastest],
-        cable=run.name,
+        cable=decisive.name,
         contact=contact,
         safety=SAFETY_AMONG_BODIES if _are_among_bodies(runs) else SAFETY_ALONE,
-        undamped=undamped,
+        undamped=limit(frequencies[fastest]),
         damping=ratios[fastest] * frequencies[fastest],
-        damped=run.most_damped if is_lowered and isinstance(run, CoupledRun) else "",
         touching=touching,
         softer=softer,
-        is_cable=isinstance(run, CableRun),
+        is_cable=isinstance(decisive, CableRun),
     )
+    if isinstance(decisive, CoupledRun) and _is_lowered_by_damping(bounds):
+        return replace(bounds, damped=decisive.most_damped)
+    return bounds
 
 
 def _contact_bound(runs: Sequence[Run], limit: Callable[[float, float], float]) -> tuple[float, str, str]:
