@@ -137,7 +137,7 @@ def runs_of_scene(
         )
     if not (is_coupled or needs_coupling(scene)):
         return runs_of_cables(mbs, scene.cables, time, h, explicit, bool(step_functions(mbs)))
-    pressed = has_circles(mbs)
+    pressed = has_circles(mbs) or mbs.NumberOfGeneralContacts() > 0
     unloaded = [  # Exudyn evaluates the loads
         replace(cable.among_others, cable=replace(cable.cable, pressed=pressed)) for cable in scene.cables
     ]

@@ -76,7 +76,7 @@ def build_joints(
     is_row = np.zeros(unknowns, dtype=bool)
     is_row[place[len(free) :]] = True
     is_row[place[layout.unknown[:, :-1]]] = False
-    vectors, of_unknowns = np.zeros((6, len(rows))), np.zeros((2, unknowns))
+    vectors, of_unknowns = np.zeros((7, len(rows))), np.zeros((2, unknowns))
     place_of_row = np.full(len(rows), NONE)
     place_of_row[alone] = place[len(free) : len(free) + len(alone)]
     return Joints(
@@ -93,6 +93,7 @@ def build_joints(
         value=vectors[0],
         gamma=vectors[1],
         multipliers=vectors[2],
+        foreseen=vectors[6],
         drift_correction=drift_correction,
         rate=vectors[3],
         target=vectors[4],

@@ -50,7 +50,7 @@ _STIFFNESSES = "stiffness", "friction_stiffness"
 
 
 def mark_implicit(cables: Cables, chains: Sequence[Any], records: Any) -> bool:
-    """Set which contacts may be implicit: those of planar cables, in a GeneralContact if they stretch.
+    """Set which contacts may be implicit: those of planar cables.
 
     Args:
         cables, chains: systems of all.   records: of the contacts, in place.
@@ -62,7 +62,7 @@ def mark_implicit(cables: Cables, chains: Sequence[Any], records: Any) -> bool:
     for offset, system in zip(cables.dofs.tolist(), chains, strict=False):
         of_these, elements = records["nodes"][:, 0] >= offset, system.chain.elements
         stretches = elements["axial"].size > 0
-        records["implicit"][of_these] = elements["contact"].size > 0 and (of_circles or stretches)
+        records["implicit"][of_these] = elements["contact"].size > 0
         if of_circles:
             records["stretches"][of_these] = stretches
     return bool(records["implicit"].any())
@@ -181,7 +181,7 @@ def reconsider_contacts(contacts, a, force):
 
 of_parts(press, COUNT)
 of_parts(complete_contacts, VECTOR, VECTOR)
-of_parts(reconsider_contacts, VECTOR, VECTOR)
+RECONSIDERING = of_parts(reconsider_contacts, VECTOR, VECTOR)
 
 
 @implements(press, Contacts)

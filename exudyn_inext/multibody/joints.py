@@ -105,6 +105,7 @@ class Joints(NamedTuple):
     nodes: of cables with many rows.
     factor: of S.   is_row: (n,) whether an unknown is a multiplier.   diagonal: (n,) of S.
     value, gamma, multipliers: (m,) c, see `rows.row_gamma`, nu; gamma of dashpots: J v, as predicted.
+    foreseen: (m,) nu of the step before, by which joints pull until they are solved for.
     drift_correction: (m,) see `CoupledSystem`.
     rate, target: (m,) c_t, and memory of a solve.   unknowns, solved: (n,), (m,) memory.
     dependent: (1,) a row that is not independent of the others, or NONE.
@@ -123,6 +124,7 @@ class Joints(NamedTuple):
     value: Array
     gamma: Array
     multipliers: Array
+    foreseen: Array
     drift_correction: Array
     rate: Array
     target: Array
@@ -435,24 +437,39 @@ def keep_multipliers(joints):
 
 
 @inlined
+def foresee_forces(joints, x):
+    """x -= J^T nu of joints as foreseen; the next solve finds what is missing.   x: (n,)."""
+    _add_forces(joints, -1.0, joints.foreseen, 0, joints.holding, x)
+
+
+@inlined
+def take_back_foreseen(joints, x):
+    """After that solve: nu are those of both, and foreseen for the next step; x is without them."""
+    _add_forces(joints, 1.0, joints.foreseen, 0, joints.holding, x)
+    for r in range(joints.holding):
+        joints.multipliers[r] += joints.foreseen[r]
+        joints.foreseen[r] = joints.multipliers[r]
+
+
+@inlined
 def subtract_forces(joints, x):
     """x -= J^T nu of joints.   x: (n,)."""
-    _subtract_forces(joints, 0, joints.holding, x)
+    _add_forces(joints, -1.0, joints.multipliers, 0, joints.holding, x)
 
 
 @inlined
 def subtract_forces_of_dashpots(joints, x):
     """x -= J^T nu of dashpots.   x: (n,)."""
     if joints.holding < len(joints.rows):
-        _subtract_forces(joints, joints.holding, len(joints.rows), x)
+        _add_forces(joints, -1.0, joints.multipliers, joints.holding, len(joints.rows), x)
 
 
 @inlined
-def _subtract_forces(joints, begin, end, x):
-    """Of the rows from `begin` to `end`."""
+def _add_forces(joints, sign, multipliers, begin, end, x):
+    """x += sign J^T nu of the rows from `begin` to `end`."""
     entries = joints.entries
     for e in range(len(entries.first)):
         if begin <= entries.row[e] < end:
-            force, first, dof = joints.multipliers[entries.row[e]], entries.first[e], entries.dof[e]
+            force, first, dof = sign * multipliers[entries.row[e]], entries.first[e], entries.dof[e]
             for i in range(entries.begin[e], entries.stop[e]):
-                x[dof + i] -= entries.jacobian[first + i] * force
+                x[dof + i] += entries.jacobian[first + i] * force

@@ -55,11 +55,12 @@ from .cables import (
 from .circle_contacts import ADDING, NOW, START, add_contacts, check_friction
 from .connectors import add_connectors
 from .dashpots import aim_dashpots
-from .implicit_contacts import complete_contacts, press, reconsider_contacts
+from .implicit_contacts import RECONSIDERING, complete_contacts, press, reconsider_contacts
 from .joints import (
     Joints,
     apply_joints,
     factorise_joints,
+    foresee_forces,
     keep_multipliers,
     largest_value,
     power_of_offsets,
@@ -70,6 +71,7 @@ from .joints import (
     set_values,
     subtract_forces,
     subtract_forces_of_dashpots,
+    take_back_foreseen,
 )
 from .linear_forces import add_linear_forces
 from .loads import add_loads
@@ -355,6 +357,13 @@ def _accelerate_parts(system, external, q, v, duration, stabilises, acceleration
         complete_contacts(items.contacts, acceleration, items.force)
 
 
+@inlined
+def _foresees(items, duration, stabilises):
+    """Whether joints pull on the cables as they did in the step before, while contacts are reconsidered."""
+    is_step = duration > 0.0 and stabilises == 0 and items.counting[MODE] != AS_PRESSED
+    return is_step and items.contacts.functions[RECONSIDERING] != 0
+
+
 @accelerates(SceneSystem)
 def accelerate_scene(system, external, q, v, duration, stabilises, acceleration, rate):
     """Eq. (29), or (30) if it stabilises. Arguments: see `accelerate`."""
@@ -362,6 +371,10 @@ def accelerate_scene(system, external, q, v, duration, stabilises, acceleration,
     for i in range(len(q)):
         items.predicted[i] = v[i] if stabilises else v[i] + duration * acceleration[i]
     act(items, external[len(system.cable_force) :], q, items.predicted, acceleration)
+    foresees = _foresees(items, duration, stabilises)
+    if foresees:
+        hold(items, q, v)
+        foresee_forces(items.joints, items.force)
     if stabilises:
         _count_work(items, q)
     _accelerate_parts(system, external, q, v, duration, stabilises, acceleration, rate)
@@ -371,6 +384,8 @@ def accelerate_scene(system, external, q, v, duration, stabilises, acceleration,
     _project_bodies(items, rate, zeta, rate)
     if len(items.joints.rows) > 0:
         _join_step(system, q, v, duration, stabilises, acceleration, rate)
+    if foresees:
+        take_back_foreseen(items.joints, items.force)
     if not stabilises:
         _count_work(items, q)
 

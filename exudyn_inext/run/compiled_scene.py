@@ -163,13 +163,23 @@ class CompiledScene:
 
     @property
     def pressed(self) -> dict[str, Array]:
-        """Contact in the matrices of cables, see `cable.contact_mass`, by names; in place."""
-        found: dict[str, Array] = {}
+        """Contact in the matrices of cables, see `cable.contact_mass`, by names; in place.
+
+        And the forces of joints by which it is reconsidered, see `multibody.scene`.
+        """
+        if not self.contacts.records["implicit"].any():
+            return {}
+        found = {"foreseen": self.system.items.joints.foreseen}
         for k, system in enumerate(self._chains):
             elements = system.chain.elements
-            if elements["contact"].size and self.contacts.records["implicit"].any():
+            if elements["contact"].size:
                 found |= {f"{name} {k}": elements[name] for name in ("contact", "touches")}
         return found
+
+    def foresee_joints(self) -> None:
+        """Let joints pull in the next step as at the last evaluation, until they are solved for."""
+        joints = self.system.items.joints
+        joints.foreseen[:] = joints.multipliers
 
     def set_step(self, h: float) -> None:
         """Prepare implicit damping of contact and dashpots for steps of h [s]; 0: it is explicit."""

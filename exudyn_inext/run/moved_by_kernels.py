@@ -75,14 +75,16 @@ class MovedByKernels(Mover):
 
     def begin_by(self, function: Callable[..., None], time: float) -> None:
         """By a kernel, if it is one, that integrators of lone cables use as well."""
-        behind = kernel_behind(function)
+        behind, again = kernel_behind(function), function is self._integrator.resume
         if behind is function:
             super().begin_by(function, time)
         else:
             begin = self._beginnings.setdefault(function, Prepared(behind))
-            given, again = self.external_at(time), function is self._integrator.resume
+            given = self.external_at(time)
             with self._form.pressed_as_before() if again else nullcontext():
                 begin(self._form.called, given, self._state)
+        if not again:
+            self._form.foresee_joints()
 
     def external_at(self, time: float) -> Array:
         loads = self._form.loads
