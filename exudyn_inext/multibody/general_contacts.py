@@ -17,7 +17,8 @@ d' = d + h k / 2, B x the motion of a point by the cable's coordinates, and v th
     (M + W B^T B) a = F - B^T (f - W B a_before / 2),   W = h d'.
 
 That is of order 1, but overshoots nothing: what a damper that only presses has thrown off keeps its velocity.
-Whether a part acts follows from the same velocities, so that an evaluation may take several solves. Where a
+Whether a part acts follows from the same velocities, so that an evaluation may take several solves, in which
+joints pull as in the step before: without the pull at its ends, a cable would leave the circle. Where a
 part would pull if it acted, and be pressed if it did not, a share of its forces acts that lets their mean be
 zero.
 """
@@ -38,12 +39,14 @@ from .implicit_contacts import (
     NOTHING,
     add_contact,
     complete_contacts,
+    ease_of_turning,
     press,
     reconsider_contacts,
 )
 from .points import add_wrench
 
 POINTS = 3  # of a part
+MOST_DRAG = 0.6  # rate of drag, times the step: from 2/3 on, the spin of a light circle sways, see below
 OFF = 0.1  # of the force that presses, by which friction may follow from another one
 
 PAIR = record_type(
@@ -124,6 +127,25 @@ def general_contacts(records: Any, elements: Any, weights: Array) -> GeneralCont
     pairs = elements["pairs"][:, 1] - elements["pairs"][:, 0]
     parts = np.zeros(int((elements["segments"] * pairs).sum()), PART)
     return GeneralContacts(records, elements, ends, parts, np.zeros(1, np.int64))
+
+
+def rate_of_drag(contacts: Any, bodies: Any) -> float:
+    """Largest rate r at which friction takes a circle that turns along, at the last evaluation [1/s].
+
+    Its spin w is explicit: beside heavy cables at rest, w_(n+1) = w_n - h r (2 w_n - w_(n-1)) while it does
+    not slip, which sways from h r = 2/3 on.
+
+    contacts: of any kind; 0 if not these.   bodies: of the scene.
+    """
+    number = int(contacts.number[0]) if isinstance(contacts, GeneralContacts) else 0
+    if not number:
+        return 0.0
+    parts = contacts.parts[:number]
+    records, points = contacts.records[parts["pair"]], parts["points"]
+    along = (points["weight"] * np.maximum(points["resistance"], 0.0)).sum(axis=1)
+    drag, circles = parts["share"] * along * records["radius"] ** 2, records["circle"]
+    drags = [(circle, drag[circles == circle].sum()) for circle in np.unique(circles)]
+    return float(max(one * ease_of_turning(contacts.points[circle], bodies) for circle, one in drags))
 
 
 @inlined

@@ -98,15 +98,19 @@ def fastest_rubbing_contact(contacts: Any, bodies: Any) -> float:
 
 def _rate_of_circle(records: Any, number: int, points: Any, bodies: Any) -> float:
     """See `fastest_rubbing_contact`: of a body that turns, by one turn of the cables around it at most."""
-    point = points[number]
     own = records[(records["circle"] == number) & ~records["stretches"] & (records["friction"] > 0.0)]
-    if point["kind"] != ON_BODY or not len(own):
+    if not len(own):
         return 0.0
-    body, radius = bodies[point["body"]], own["radius"].max()
-    turns = radius**2 * body["inverse"][ABOUT_Z, ABOUT_Z] if body["rotations"] else 0.0
-    length = (own["length"] * own["segments"]).sum()
+    radius, length = own["radius"].max(), (own["length"] * own["segments"]).sum()
     viscosity = (own["viscosity"] * own["segments"]).sum() * min(1.0, 2.0 * np.pi * radius / length)
-    return OF_DRAG * float(viscosity * turns)
+    return OF_DRAG * float(viscosity * radius**2 * ease_of_turning(points[number], bodies))
+
+
+def ease_of_turning(point: Any, bodies: Any) -> float:
+    """Inverse moment of inertia about z of the body that a point is on [1/(kg m^2)]; 0: it does not turn."""
+    if point["kind"] != ON_BODY or not bodies[point["body"]]["rotations"]:
+        return 0.0
+    return float(bodies[point["body"]]["inverse"][ABOUT_Z, ABOUT_Z])
 
 
 def _rates(records: Any) -> tuple[Any, Any]:

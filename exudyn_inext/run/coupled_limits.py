@@ -10,6 +10,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..integrators.linear_stability import frequency_limit
+from ..multibody.general_contacts import MOST_DRAG
 from ..scene.open_contacts import OpenContacts
 from ..scene.small_vibrations import (
     FastestRates,
@@ -37,6 +38,7 @@ SLOW_WAVES = 0.01  # tension over rho_A l^2, times h^2: its waves bound no step;
 STEPS_BETWEEN_TENSIONS = 32  # two looks at them, more at the beginning
 LARGEST_SHARE, SHARE = 0.85, 0.7  # of the limit then: of steps that stay as they are, and of shorter ones
 OF_TOO_LONG_STEPS = ENERGY, JUMP, NOT_FINITE, UNSTABLE, LACK_OF_WORK  # troubles that these may cause
+DRAGGING_PARTS = 4  # of the nominal step, up to which all are smaller where friction sways a circle
 SLOWED = 2.0  # times a step that damping bounds is what holds without it
 SMALLEST_SHARE = 0.3  # of steps that became short for contacts, and may be longer again
 
@@ -284,10 +286,21 @@ class LimitedRun(PacedRun):
         return self.control.divisor > divisor
 
     def outran_limit(self, time: float) -> bool:
-        """See `PacedRun.outran_limit`: functions of springs may damp in some states alone."""
-        may = self.watch.may_shorten and isinstance(self.mover, MovedByExudyn) and not self.control.follower
+        """See `PacedRun.outran_limit`: friction takes light circles along, or functions damp."""
+        may = self.watch.may_shorten and not self.control.follower
         if not (may and self.watch.trouble in OF_TOO_LONG_STEPS):
             return False
+        return self._drags_circles() or (isinstance(self.mover, MovedByExudyn) and self._outran_damping(time))
+
+    def _drags_circles(self) -> bool:
+        """Whether friction sways a circle at these steps; they are shorter then, up to a few times."""
+        is_dragged = self.control.present * self.mover.rate_of_drag > MOST_DRAG
+        if is_dragged := is_dragged and self.control.divisor < DRAGGING_PARTS * self.control.least:
+            self.control.shorten(2)
+        return is_dragged
+
+    def _outran_damping(self, time: float) -> bool:
+        """See `outran_limit`: functions of springs may damp in some states alone."""
         limit, undamped, damping = self._limits_of_motion(time)
         share, divisor = self.control.largest / limit, self.control.divisor
         if share <= LARGEST_SHARE or undamped <= SLOWED * limit:

@@ -12,6 +12,7 @@ from ..compiled import Prepared, kernel
 from ..errors import SceneError
 from ..integrators.integrator import Integrator
 from ..multibody.connectors import places_of_rubbing
+from ..multibody.general_contacts import rate_of_drag
 from ..multibody.implicit_contacts import contact_rates, fastest_rubbing_contact
 from .cable_run import CableRun
 from .compiled_scene import CompiledScene
@@ -145,6 +146,10 @@ class MovedByKernels(Mover):
     def follows_contacts(self) -> bool:
         """What other contacts may do is known at the start, see `LimitedRun.contacts`."""
         return self._remembers and len(places_of_rubbing(self._form.system.items.connectors)) > 0
+
+    @property
+    def rate_of_drag(self) -> float:  # type: ignore[override]
+        return rate_of_drag(self._form.contacts, self.system.items.bodies)
 
     @property
     def depths_of_contacts(self) -> Array:

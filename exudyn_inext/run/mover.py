@@ -29,6 +29,7 @@ class Mover:
     system: that takes the steps.   evaluated: the scene, by whom evaluates it.
     given: (n,) forces besides those of the items, which others may set.
     implicit_contacts, fastest_rubbing_contact: their rates [1/s], see `multibody.implicit_contacts`.
+    rate_of_drag: see `multibody.general_contacts`, at the last evaluation [1/s].
     jump: violation of joints [m, -] between two steps, beyond what the integrator leaves.
     asks: which load depends on the state, where compiled code asks its function.
     elsewhere: see `PacedRun`.
@@ -42,6 +43,7 @@ class Mover:
     takes_impulses = False
     implicit_contacts: Mapping[int, float] = MappingProxyType({})
     fastest_rubbing_contact = 0.0
+    rate_of_drag = 0.0
     _joined: tuple[list[float], Array] | None = None  # k times [s], (k, n) forces of items and joints there
     _settled: tuple[Array, Array] | None = None  # (D,), (2, D) what contacts are said to remember, and do
 

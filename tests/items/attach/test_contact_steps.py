@@ -275,9 +275,38 @@ def in_general_contact(mbs, elements, circle, wheel):
     add_general_contact(mbs, elements, circle, mbs.AddMarker(MarkerBodyRigid(bodyNumber=wheel)))
 
 
+@STRIKES
+@pytest.mark.parametrize(
+    ("damping", "extensible"), [(20.0, False), (20.0, True), (50.0, False), (1000.0, False)]
+)
+def test_friction_of_a_general_contact_takes_a_light_wheel_along(
+    build, solve, monkeypatch, damping, extensible
+):
+    """Its spin is explicit: where it sways, smaller steps begin anew. Its mass is a tenth of the cable's.
+
+    damping: by length [N s/m^2].
+    """
+    monkeypatch.setattr("tests.items.attach.test_contact_steps.INERTIA", 3e-4)
+
+    def touch(mbs, elements, circle, wheel):
+        in_general_contact(mbs, elements, Circle(RADIUS, 5e5, damping, 0.6), wheel)
+
+    found = []
+    for step in (None, 2e-5):
+        mbs, sensors = build(16, touch=touch, extensible=extensible)
+        solve(mbs, END, stepSize=step)
+        found.append(at_the_end(mbs, sensors))
+    np.testing.assert_allclose(*found, rtol=0.01)
+
+
 @pytest.mark.parametrize(
     ("touch", "step", "extensible"),
-    [(add_contact, 2e-5, False), (add_contact, 2e-5, True), (in_general_contact, 2.5e-4, True)],
+    [
+        (add_contact, 2e-5, False),
+        (add_contact, 2e-5, True),
+        (in_general_contact, 2.5e-4, False),
+        (in_general_contact, 2.5e-4, True),
+    ],
 )
 def test_a_run_goes_on_from_its_file_bit_for_bit_while_a_wheel_rubs(
     build, solve, tmp_path, touch, step, extensible
@@ -335,7 +364,8 @@ def spinning(new_mbs, touch, stiffness, speed=10.0):
 
 @STRIKES
 @pytest.mark.parametrize(
-    ("touch", "stiffness"), [(add_contact, None), (add_contact, 2e4), (in_general_contact, 2e4)]
+    ("touch", "stiffness"),
+    [(add_contact, None), (add_contact, 2e4), (in_general_contact, None), (in_general_contact, 2e4)],
 )
 def test_a_wheel_and_the_cable_that_rubs_on_it_keep_their_momentum(new_mbs, solve, touch, stiffness):
     """What joints at the cable's ends do to it changes friction, which is implicit: the wheel feels that."""
