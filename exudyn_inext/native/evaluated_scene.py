@@ -36,6 +36,7 @@ from ..system import (
 from .bodies import BodyMasses, SystemMass, read_bodies, read_quaternions, require_mass
 from .contact_rates import open_contacts
 from .coordinates import CoordinateMap
+from .flight import may_fly
 from .friction_check import FrictionCheck
 from .held import HeldCoordinates, holders
 from .joint_items import read_joints
@@ -170,6 +171,16 @@ class SceneOfExudyn(EvaluatedScene):
                 kind = self.mbs.GetNode(number)["nodeType"]
                 found[number] = place, 2 if "2D" in kind else 3
         return found
+
+    @property
+    def ways_of_flight(self) -> Array:
+        """(dim, n) see `Flight`."""
+        nodes = self.places_of_nodes.values()
+        has_drag = any(one.cable.cable.drag for one in self.cables)
+        ways = np.zeros((0 if has_drag or not may_fly(self.mbs) else min((dim for _, dim in nodes), default=0), self.size))
+        for axis, way in enumerate(ways):
+            way[[place + axis for place, _ in nodes]] = 1.0
+        return ways
 
     @property
     def forces(self) -> Array:

@@ -39,17 +39,19 @@ FIRST_VIBRATION = 0.085  # step over L^2 sqrt(rho_A / EI): 0.3 / 3.52, h w of a 
 def accurate_step(
     run: CableRun,
     time: float,
+    flight: Array,
     acceleration: Callable[[], float] | None,
     may_touch: Callable[[], bool] | None = None,
 ) -> float:
     """Largest step that resolves the motion of a cable in time as well as its mesh does in space [s].
 
+    flight: (n_dof,) velocities of a frame that flies along with all that moves, see `Flight`.
     acceleration: among bodies, the largest one of nodes at the start [m/s^2], asked where it matters.
     may_touch: whether there is anything that the cable may hit; None: there is not.
     """
     cable = run.scene_cable.cable
     with np.errstate(over="ignore"):
-        speed = _wave_speed(run, time, acceleration, may_touch)
+        speed = _wave_speed(run, time, flight, acceleration, may_touch)
     of_waves = _resolved_length(cable) / (STEPS_BY_ELEMENT * speed) if speed > 0.0 else math.inf
     section = cable.section
     bends = math.sqrt(section.mass_per_length / section.bending_stiffness) * cable.length**2
@@ -98,7 +100,7 @@ def resolution_of_mesh(run: Run, time: float, theta: float) -> Array:
     section = cable.section
     stiffness = section.bending_stiffness / section.mass_per_length
     with np.errstate(over="ignore"):
-        return np.array([_wave_speed(run, time) ** 2, stiffness, _resolved_length(cable), theta])
+        return np.array([_wave_speed(run, time, run.flight) ** 2, stiffness, _resolved_length(cable), theta])
 
 
 def small_error(run: Run) -> float:
@@ -127,15 +129,16 @@ def _resolved_length(cable: Cable) -> float:
 def _wave_speed(
     run: CableRun,
     time: float,
+    flight: Array,
     acceleration: Callable[[], float] | None = None,
     may_touch: Callable[[], bool] | None = None,
 ) -> float:
-    """c [m/s], see above.   acceleration, may_touch: see `accurate_step`."""
+    """c [m/s], see above.   flight, acceleration, may_touch: see `accurate_step`."""
     cable = run.scene_cable.cable
     shape = cable.reference.shape
     inputs = run.loads.at(time)
     forces = np.linalg.norm(inputs[: run.state.q.size].reshape(shape)[:, 0], axis=1)
-    density, v = cable.section.mass_per_length, run.state.v.reshape(shape)[:, 0]
+    density, v = cable.section.mass_per_length, (run.state.v - flight).reshape(shape)[:, 0]
     slowest = v[np.argmin((v * v).sum(axis=1))]  # to fly along pulls nothing, until something is hit
     if may_touch is not None and slowest.any() and may_touch():
         slowest = np.zeros_like(slowest)

@@ -8,11 +8,13 @@ from ..arrays import Array
 from ..cable.axial import SHORTEST
 from ..cable.cable import Cable
 from ..cable.links import all_links, motions_of
+from ..cable.sparse_forms import mass_entries
 from ..compiled import placed
 from ..integrators.integrator import FACTOR, PROJECTION
 from ..scene.model import CableInScene
-from ..system import report_energy
+from ..system import KINETIC, report_energy
 from .cable_loads import CableLoads
+from .flight import flight_of, ways_of_cable
 from .run_watch import RunWatch
 from .watch import (
     FAILED,
@@ -60,6 +62,7 @@ class CableWatch(RunWatch):
         every = STEPS_WITH_POWER if self._has_power else STEPS_BETWEEN
         most = VIOLENT * energy_tolerance if gains_energy else np.inf
         least = FIRST_STEPS if moves else LEAST_STEPS
+        self.flight = flight_of(ways_of_cable(cable, loads), mass_entries(cable))
         self.watch = build_watch(state, every, energy_tolerance, loads.pattern, least, most)
 
     @property
@@ -72,7 +75,10 @@ class CableWatch(RunWatch):
     def open(self, system: Any, external: Array, state: Any) -> None:
         """Begin with a state that the integrator has just started from."""
         self._report(system, external, state)
-        open_account(self.watch, state, self.round_off)
+        self.watch.flight[:] = speeds, momenta = self.flight.along(state.v)
+        seen = float(self.watch.present_report[KINETIC] - momenta @ (state.v - 0.5 * speeds))
+        of_flight = ROUND_OFF * 0.5 * float(momenta @ speeds)
+        open_account(self.watch, state, self.round_off + of_flight, seen)
         if self._has_power and self.stretches:  # it may set in at once, where supports begin to move
             self.watch.account["ahead"][NOW] = FIRST_STEPS
 

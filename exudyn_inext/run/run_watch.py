@@ -7,6 +7,7 @@ from typing import Any
 
 from ..arrays import Array
 from ..integrators.integrator import remembered
+from .flight import Flight
 from .watch import (
     BEGINNING,
     CONSTRAINTS,
@@ -35,9 +36,11 @@ class RunWatch:
 
     watch: the account.   stretches: whether one of its cables does.
     may_shorten: whether the nominal step may become shorter, as nobody has given it.
+    flight: how the run may fly along.
     """
 
     watch: Watch
+    flight: Flight
     stretches: bool
     may_shorten = False
 
@@ -164,7 +167,7 @@ class RunWatch:
 
     def memory(self) -> dict[str, Any]:
         """Arrays that the next inspections depend on, by names."""
-        names = ("account", "position", "work", "kept_work", "energy_report")
+        names = ("account", "flight", "position", "work", "kept_work", "energy_report")
         return {name: getattr(self.watch, name) for name in names} | {"kept": remembered(self.watch.kept)}
 
     @property
