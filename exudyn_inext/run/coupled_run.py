@@ -548,6 +548,7 @@ class CoupledRun(LimitedRun):
         self._unsolvable, end = "", done + len(times)
         is_checked = not piece.is_whole and end == piece.steps
         try:
+            self.watch.begin_steps(piece.h)
             self.mover.take(piece, times, done, history, self.watch)
             self.watch.count(len(times))
             self.watch.bears_throws = not self.control.may_quarter

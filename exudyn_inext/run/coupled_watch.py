@@ -18,6 +18,7 @@ from ..compiled import Prepared
 from ..integrators.integrator import Integrator
 from ..integrators.linear_stability import frequency_limit
 from ..scene.path_work import (
+    FLIGHT,
     FLOOR,
     LACK,
     SCALE,
@@ -181,7 +182,7 @@ class CoupledWatch(RunWatch):
         self._scale = 1.0  # of violated joints [m, -]
         self._step = 0.0  # last one [s]
         self._resolution = 0.0  # energy of velocities of round-off, times the square of the step [J s^2]
-        self._last = np.zeros(2)  # inspection: its time [s], and the square of the velocities then
+        self._last = np.zeros(3)  # inspection: time [s], square of velocities, and see `_energy_of_flight`
         self._calm = 0.0  # largest square of velocities that calls for no other one
         self._counts = np.zeros(2, int)  # see _STEPS
 
@@ -208,7 +209,8 @@ class CoupledWatch(RunWatch):
         size = float(np.abs(forces + self._gravity[: len(forces)]).sum())
         floor = ROUND_OFF * extent * size + sum(run.watch.round_off for run in self._runs)
         floor += OF_PLACES * self._evaluated.kinetic_energy(state.q, speeds)
-        open_account(self.watch, state, floor, self._kinetic_energy_seen(state))
+        seen = float(self.watch.present_report[KINETIC] - self._last[2])
+        open_account(self.watch, state, floor, seen)
         self._parts.motion[:] = 0.0
         places = np.full(len(state.q), OF_PLACES * extent)
         self._resolution = self._evaluated.kinetic_energy(state.q, places)
@@ -269,6 +271,10 @@ class CoupledWatch(RunWatch):
         steps, most = self._counts.tolist()
         return min(STEPS_BETWEEN_CHECKS, most - steps)
 
+    def begin_steps(self, h: float) -> None:
+        """Steps of h [s] are about to be taken."""
+        self.path[FLIGHT, : len(self._start)] = h * self.watch.flight[0]
+
     def count(self, steps: int) -> None:
         """These steps have been taken."""
         before = int(self._counts[_STEPS])
@@ -324,7 +330,8 @@ class CoupledWatch(RunWatch):
         vibrations, by their energies -a . M x / 2, and so at most the square of their largest frequency.
         Strong implicit damping of axial vibrations turns accelerations round, too: these become smaller.
         """
-        way, change = state.q - self.before[0], (h / self._limit) ** 2 * (state.a - self.before[1])
+        way = state.q - self.before[0] - h * self.watch.flight[0]
+        change = (h / self._limit) ** 2 * (state.a - self.before[1])
         energy, least = self._evaluated.kinetic_energy, self._energy_tolerance * float(self._lacks[SCALE])
         least *= 2.0 * (h / self._limit) ** 2
         of_way, of_change = energy(state.q, way), energy(state.q, change)
@@ -364,7 +371,7 @@ class CoupledWatch(RunWatch):
         """Count steps from a state at t [s]."""
         self._counts[:] = 0, min(2 * self._counts[_MOST], self._most_steps)
         seen = self._seen(state.v)
-        self._last[:] = t, seen.dot(seen)
+        self._last[:] = t, seen.dot(seen), self._energy_of_flight(state)
         self._calm = CALM * float(self._last[1])
 
     @property
@@ -384,11 +391,14 @@ class CoupledWatch(RunWatch):
         if self.path is not self.path_of_evaluations:
             take_sums(self.path_of_evaluations)
         work += 0.5 * float(self._changes[0]) / h**2
+        of_flight, speeds = self._energy_of_flight(state), self.watch.flight[0]
+        work += of_flight - self._last[2] - duration * float(self._gravity @ speeds)
         self._changes[:] = 0.0
         steps, slope = int(self._counts[_STEPS]), float(watch.account["slope"][NOW])
         spins, way = self._evaluated.energies_of_spins(watch.duration), self._way_to(t, state.q)
         bare = watch._replace(kept=())  # of one type for all integrators
-        of_state = state.q, self._seen(state.v), state.a, self._kinetic_energy_seen(state)
+        seen = float(self.watch.present_report[KINETIC]) - of_flight
+        of_state = state.q, self._seen(state.v), state.a, seen
         given = self._parts, way, spins, h, bare, *of_state, self._gravity
         trouble = int(self._draw_up(*given, float(work), float(scatter), steps, float(duration)))
         bend = abs(float(watch.account["slope"][NOW]) - slope)
@@ -417,12 +427,12 @@ class CoupledWatch(RunWatch):
         """Velocities (n,) as the frame sees them that flies along."""
         return v - self.watch.flight[0]
 
-    def _kinetic_energy_seen(self, state: Any) -> float:
-        """That of `present_report`, so seen [J]."""
-        total, energy = float(self.watch.present_report[KINETIC]), self._evaluated.kinetic_energy
+    def _energy_of_flight(self, state: Any) -> float:
+        """Kinetic energy that it does not see [J]."""
         if not self.watch.flight.any():
-            return total
-        return total + energy(state.q, self._seen(state.v)) - energy(state.q, state.v)
+            return 0.0
+        energy = self._evaluated.kinetic_energy
+        return energy(state.q, state.v) - energy(state.q, self._seen(state.v))
 
     def _way_to(self, t: float, q: Array) -> Array:
         """(n,) from where the extent of the motion counts, so seen."""

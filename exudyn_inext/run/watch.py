@@ -288,11 +288,12 @@ def _look_ahead(watch, steps, duration, turned_over):
 
 
 @inlined
-def _kinetic_energy_seen(watch, v):
-    """v . M v / 2, as the frame sees it that flies along [J]."""
-    speeds, momenta = watch.flight[0], watch.flight[1]
+def _see_in_flight(watch, constant, v, duration):
+    """Kinetic energy as the frame sees it that flies along [J]; the work becomes that which it sees."""
+    account, speeds, momenta, before = watch.account[NOW], watch.flight[0], watch.flight[1], watch.kept.v
     seen = watch.present_report[KINETIC]
     for i in range(len(momenta)):
+        account.work += momenta[i] * (v[i] - before[i]) - duration * speeds[i] * constant[i]
         seen -= momenta[i] * (v[i] - 0.5 * speeds[i])
     return seen
 
@@ -301,7 +302,7 @@ def _kinetic_energy_seen(watch, v):
 def _draw_up(watch, steps, duration, seen):
     """The present error of the energy, beyond what the account itself may be wrong by; returns its jump.
 
-    It is the same in all frames; the energy that it is compared with is `seen` from the one that flies along.
+    seen: kinetic energy, as a frame sees it that flies along; so it does the work that has been counted [J].
 
     A central difference scheme keeps the energy less h^2 a . M a / 8, exactly if the system is linear: so
     much is in vibrations that the step does not resolve. Implicit ones keep it as it is.
@@ -503,7 +504,7 @@ def record_watched(scheme, system, loads, state, h, steps, history, watch):
         advance(scheme, system, part, state, h, of_interval, history[first:last])
         report_energy(system, state.external, state.q, state.v, state.a, watch.force, watch.present_report)
         _add_work_of_loads(watch, loads.constant, state.q)
-        seen = _kinetic_energy_seen(watch, state.v)
+        seen = _see_in_flight(watch, loads.constant, state.v, number * h)
         _count_motion(watch, number * h, seen)
         if _verdict(watch, number, number * h, seen) != ALL_IS_WELL:
             return first
