@@ -175,11 +175,11 @@ class SceneOfExudyn(EvaluatedScene):
     @property
     def ways_of_flight(self) -> Array:
         """(dim, n) see `Flight`."""
-        nodes = self.places_of_nodes.values()
-        has_drag = any(one.cable.cable.drag for one in self.cables)
-        ways = np.zeros((0 if has_drag or not may_fly(self.mbs) else min((dim for _, dim in nodes), default=0), self.size))
+        flies = may_fly(self.mbs) and not any(one.cable.cable.drag for one in self.cables)
+        places, dimensions = np.array([*self.places_of_nodes.values()] if flies else [(0, 0)]).T
+        ways = np.zeros((dimensions.min(), self.size))
         for axis, way in enumerate(ways):
-            way[[place + axis for place, _ in nodes]] = 1.0
+            way[places + axis] = 1.0
         return ways
 
     @property

@@ -11,9 +11,7 @@ _NODES = {
     *("RigidBodyEP", "RigidBodyRxyz", "RigidBodyRotVecLG", "RigidBody2D"),
 }
 _BODIES = {"Ground", "MassPoint", "MassPoint2D", "RigidBody", "RigidBody2D", "ANCFCable", "ANCFCable2D"}
-_SPRINGS = {
-    f"Connector{kind}SpringDamper" for kind in ("", "Cartesian", "RigidBody", "Linear", "Torsional")
-}
+_SPRINGS = {f"Connector{kind}SpringDamper" for kind in ("", "Cartesian", "RigidBody", "Linear", "Torsional")}
 _JOINTS = {
     *("ConnectorDistance", "JointGeneric", "JointSpherical", "JointRevoluteZ", "JointPrismaticX"),
     *("JointRevolute2D", "JointPrismatic2D"),

@@ -1,5 +1,6 @@
 """The watch over one cable during a run, and what it says."""
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from ..integrators.integrator import FACTOR, PROJECTION
 from ..scene.model import CableInScene
 from ..system import KINETIC, report_energy
 from .cable_loads import CableLoads
-from .flight import flight_of, ways_of_cable
+from .flight import Flight, flight_of
 from .run_watch import RunWatch
 from .watch import (
     FAILED,
@@ -62,8 +63,16 @@ class CableWatch(RunWatch):
         every = STEPS_WITH_POWER if self._has_power else STEPS_BETWEEN
         most = VIOLENT * energy_tolerance if gains_energy else np.inf
         least = FIRST_STEPS if moves else LEAST_STEPS
-        self.flight = flight_of(ways_of_cable(cable, loads), mass_entries(cable))
+        self._is_tied = bool(cable.links or cable.drag or len(loads.pattern))
         self.watch = build_watch(state, every, energy_tolerance, loads.pattern, least, most)
+
+    @cached_property
+    def flight(self) -> Flight:
+        """How it may fly along."""
+        dim = 0 if self._is_tied else self._cable.dimension
+        ways = np.zeros((dim, *self._shape))
+        ways[range(dim), :, 0, range(dim)] = 1.0
+        return flight_of(ways.reshape(dim, self._cable.reference.size), mass_entries(self._cable))
 
     @property
     def placed(self) -> Any:

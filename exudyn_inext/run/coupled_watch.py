@@ -121,6 +121,7 @@ class CoupledWatch(RunWatch):
         state: of the integrator, whose steps follow a scheme.
         energy_tolerance: see `ExplicitSettings.energyTolerance`.
 
+    flight: how the scene may fly along.
     path: memory of the work of whole steps.   before: (2, n) q and a at the start of the last step.
     path_of_evaluations: for `NativeItems.path` during steps; a lack of work within a step shows in it.
     has_one_evaluation: each step.
@@ -227,6 +228,7 @@ class CoupledWatch(RunWatch):
     def _begin_work(self, t: float, state: Any) -> Any:
         """Count work from a state on; returns the forces of Exudyn's items in it."""
         self._evaluated.report_energy(t, state, self.watch.present_report)
+        self._last[2] = self._energy_of_flight(state)
         forces = self._evaluated.forces
         for path in self._paths:
             begin_path(path, state.q, forces)
@@ -371,7 +373,7 @@ class CoupledWatch(RunWatch):
         """Count steps from a state at t [s]."""
         self._counts[:] = 0, min(2 * self._counts[_MOST], self._most_steps)
         seen = self._seen(state.v)
-        self._last[:] = t, seen.dot(seen), self._energy_of_flight(state)
+        self._last[:2] = t, seen.dot(seen)
         self._calm = CALM * float(self._last[1])
 
     @property
@@ -393,6 +395,7 @@ class CoupledWatch(RunWatch):
         work += 0.5 * float(self._changes[0]) / h**2
         of_flight, speeds = self._energy_of_flight(state), self.watch.flight[0]
         work += of_flight - self._last[2] - duration * float(self._gravity @ speeds)
+        self._last[2] = of_flight
         self._changes[:] = 0.0
         steps, slope = int(self._counts[_STEPS]), float(watch.account["slope"][NOW])
         spins, way = self._evaluated.energies_of_spins(watch.duration), self._way_to(t, state.q)

@@ -8,9 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..cable.cable import Cable
 from ..sparse import Entries
-from .cable_loads import CableLoads
 
 
 class Flight(NamedTuple):
@@ -34,12 +32,3 @@ def flight_of(ways: Array, mass: Entries) -> Flight:
     rows, columns, values = mass
     momenta = [np.bincount(rows, values * way[columns], len(way)) for way in ways]
     return Flight(ways, np.reshape(momenta, ways.shape))
-
-
-def ways_of_cable(cable: Cable, loads: CableLoads) -> Array:
-    """See `Flight`: of a cable alone."""
-    dim = 0 if cable.links or cable.drag or len(loads.pattern) else cable.dimension
-    ways = np.zeros((dim, *cable.reference.shape))
-    for axis in range(dim):
-        ways[axis, :, 0, axis] = 1.0
-    return ways.reshape(dim, cable.reference.size)

@@ -90,9 +90,7 @@ def _find_fastest(least, motion, h, fastest):
 
 
 @kernel
-def verdict_with_parts(
-    parts, way, spins, h, watch, q, v, a, seen, constant, work, scatter, steps, duration
-):
+def verdict_with_parts(parts, way, spins, h, watch, q, v, a, seen, constant, work, scatter, steps, duration):
     """As `verdict_after_work`, of the fastest part; what rests has not begun to move.
 
     Args:

@@ -7,7 +7,6 @@ from typing import Any
 
 from ..arrays import Array
 from ..integrators.integrator import remembered
-from .flight import Flight
 from .watch import (
     BEGINNING,
     CONSTRAINTS,
@@ -36,11 +35,9 @@ class RunWatch:
 
     watch: the account.   stretches: whether one of its cables does.
     may_shorten: whether the nominal step may become shorter, as nobody has given it.
-    flight: how the run may fly along.
     """
 
     watch: Watch
-    flight: Flight
     stretches: bool
     may_shorten = False
 

@@ -15,10 +15,11 @@ def build_path(size: int) -> Array:
     """Memory of the work of forces on `size` coordinates.
 
     (8, size or more): POSITION and FORCE at present, WAY and CHANGE of the force in the last step, the recent
-    SPEED and the largest one THROWN at, see `_thrown_by`, both as ways of a step, the FLIGHT of a frame in a
-    step, which sees the ways, and the SUMS over all steps: WORK [J], and its SCATTER [J^2]; the largest LACK of the work of a step, relative to the energy
-    that the motion has turned over before, SCALE [J]. That is none below its FLOOR [J]; the STEPS since it is
-    some, and how many of them are the BEGINNING, see `expect_energy`.
+    SPEED and the largest one THROWN at, see `_thrown_by`, both as ways of a step, the FLIGHT in a step of the
+    frame that sees the ways, and the SUMS over all steps: WORK [J], and its SCATTER [J^2]; the largest LACK
+    of the work of a step, relative to the energy that the motion has turned over before, SCALE [J]. That is
+    none below its FLOOR [J]; the STEPS since it is some, and how many of them are the BEGINNING, see
+    `expect_energy`.
     """
     return np.zeros((8, max(size, 7)))
 
