@@ -2,14 +2,14 @@
 
 A transverse wave of the speed c, which the tension gives it, takes 20 steps to pass an element: the error in
 time is then near that of the mesh. c^2 is the tension over rho_A that weight, loads and inertia can cause at
-most, and twice the energy by mass that the motion starts with, as the slowest node sees it where nothing can
-be hit; among bodies, that of bending is left out where the cable rests in an equilibrium. The first vibration
-of the bent cable is resolved in any case, and among bodies all bending waves that the mesh resolves, or of
-cables that are lighter than each body, longer ones. Of elements whose lengths differ, a wave needs as many of
-its size as it spans: single short ones among others resolve nothing that the others do not. How fast the
-motion really is, the watch finds out, see `watch`: then the step becomes shorter, down to one whose error in
-bending waves is that of the mesh, and where cables stretch, one in which axial waves pass a share of an
-element.
+most, and twice the energy by mass that the motion starts with, as the node sees it where nothing can be hit
+that is the slowest one in the `Flight` of all; among bodies, that of bending is left out where the cable
+rests in an equilibrium. The first vibration of the bent cable is resolved in any case, and among bodies all
+bending waves that the mesh resolves, or of cables that are lighter than each body, longer ones. Of elements
+whose lengths differ, a wave needs as many of its size as it spans: single short ones among others resolve
+nothing that the others do not. How fast the motion really is, the watch finds out, see `watch`: then the
+step becomes shorter, down to one whose error in bending waves is that of the mesh, and where cables stretch,
+one in which axial waves pass a share of an element.
 """
 
 import math

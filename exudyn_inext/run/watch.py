@@ -21,6 +21,8 @@ energy of the others. What an account says of the motion is then that of the par
 Where bending carries the waves of a cable, its mesh has a phase error, too. A step whose error is no larger
 is short enough, whatever their frequency: both errors grow with the fourth power of the wave number.
 
+Of a run that nothing ties to its surroundings, all that is as a frame sees it that flies along, see `Flight`.
+
 Implicit axial vibrations that the step does not resolve are left out of a, as shorter steps would not make
 them more accurate before they resolve them.
 """

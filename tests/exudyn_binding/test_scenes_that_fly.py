@@ -68,8 +68,8 @@ def rope_and_wheel(mbs, add_cable, velocity):
     """A cable that stretches, and a body that turns fast, not about its centre of mass."""
     nodes = bent(mbs, add_cable, velocity, 3, axialStiffness=1e5)
     inertia = InertiaCuboid(500.0, [0.1, 0.2, 0.1]).Translated([0.1, 0.05, 0.0])
-    start = {"initialVelocity": list(velocity + [-3.0, 4.0, 0]), "initialAngularVelocity": [0, 0, 30.0]}
-    start |= {"referencePosition": [1, 0.1, 0], "gravity": list(GRAVITY)}
+    start = {"referencePosition": [1, 0.1, 0], "initialAngularVelocity": [0, 0, 30.0]}
+    start |= {"initialVelocity": list(np.add(velocity, [-3.0, 4.0, 0])), "gravity": list(GRAVITY)}
     body = mbs.CreateRigidBody(inertia=inertia, returnDict=True, **start)
     hook = MarkerBodyPosition(bodyNumber=body["bodyNumber"], localPosition=[0, -0.1, 0])
     ends = [mbs.AddMarker(end) for end in (hook, MarkerNodePosition(nodeNumber=nodes[-1]))]
