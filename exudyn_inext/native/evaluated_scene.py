@@ -17,6 +17,7 @@ from ..items.functions_that_look import asked_item_functions
 from ..items.parameters import Parameter
 from ..run.cable_loads import CableLoads
 from ..run.coupled_watch import EvaluatedScene
+from ..run.flight import is_tied
 from ..run.parts_in_one import CompiledParts
 from ..scene.bodies import BodiesSystem, MassBlock
 from ..scene.coupled_system import CoupledSystem, Part
@@ -175,7 +176,7 @@ class SceneOfExudyn(EvaluatedScene):
     @property
     def ways_of_flight(self) -> Array:
         """(dim, n) see `Flight`."""
-        flies = may_fly(self.mbs) and not any(one.cable.cable.drag for one in self.cables)
+        flies = may_fly(self.mbs) and not any(is_tied(one.cable.cable) for one in self.cables)
         places, dimensions = np.array([*self.places_of_nodes.values()] if flies else [(0, 0)]).T
         ways = np.zeros((dimensions.min(), self.size))
         for axis, way in enumerate(ways):

@@ -15,7 +15,7 @@ from ..integrators.integrator import FACTOR, PROJECTION
 from ..scene.model import CableInScene
 from ..system import KINETIC, report_energy
 from .cable_loads import CableLoads
-from .flight import Flight, flight_of
+from .flight import Flight, flight_of, is_tied
 from .run_watch import RunWatch
 from .watch import (
     FAILED,
@@ -63,7 +63,7 @@ class CableWatch(RunWatch):
         every = STEPS_WITH_POWER if self._has_power else STEPS_BETWEEN
         most = VIOLENT * energy_tolerance if gains_energy else np.inf
         least = FIRST_STEPS if moves else LEAST_STEPS
-        self._is_tied = bool(cable.links or cable.drag or len(loads.pattern))
+        self._is_tied = is_tied(cable) or len(loads.pattern) > 0
         self.watch = build_watch(state, every, energy_tolerance, loads.pattern, least, most)
 
     @cached_property

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
+from ..cable.cable import Cable
 from ..sparse import Entries
 
 
@@ -25,6 +26,11 @@ class Flight(NamedTuple):
         """(n,) velocities and momenta of a translation that has the momentum of the velocities v (n,)."""
         mean = np.linalg.solve(self.momenta @ self.ways.T, self.momenta @ v)
         return mean @ self.ways, mean @ self.momenta
+
+
+def is_tied(cable: Cable) -> bool:
+    """Whether supports, other links, or what flows around it act on a cable."""
+    return bool(cable.fixed.any() or cable.links or cable.drag)
 
 
 def flight_of(ways: Array, mass: Entries) -> Flight:

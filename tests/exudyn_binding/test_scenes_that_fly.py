@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import (
     CartesianSpringDamper,
+    CoordinateConstraint,
     CoordinateSpringDamper,
     LoadForceVector,
     MarkerBodyPosition,
@@ -14,9 +15,18 @@ from exudyn.itemInterface import (
 )
 from exudyn.utilities import InertiaCuboid
 
-from exudyn_inext import CableShape, ExplicitSettings, ExplicitStepper, InextensibleCable
+from exudyn_inext import (
+    CableDrag,
+    CableShape,
+    ExplicitSettings,
+    ExplicitStepper,
+    InextensibleCable,
+    SetCableDrag,
+)
+from exudyn_inext.exudyn_binding.scene_runs import compiled_runs
 from exudyn_inext.native.flight import may_fly
 from reference_models.model import quiet_settings
+from tests.exudyn_binding import items
 
 FLIGHT = np.array([0.6, 0.8, 0.0])  # direction
 GRAVITY = (0, -9.81, 0)
@@ -186,6 +196,35 @@ def test_what_is_tied_does_not_fly(mbs, add_cable, tie):
     assert may_fly(mbs)
     tie(mbs, nodes[1])
     assert not may_fly(mbs)
+
+
+def pin(mbs, cable):
+    for coordinate in (0, 1):
+        ends = mbs.AddNode(NodePointGround()), cable["nodes"][-1]
+        markers = [mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=k, coordinate=coordinate)) for k in ends]
+        mbs.AddObject(CoordinateConstraint(markerNumbers=markers))
+
+
+def hang(mbs, cable):
+    items.hang(mbs, cable["nodes"][-1], [1.8, 1, 0], 1.0)
+
+
+def drag(mbs, cable):
+    SetCableDrag(mbs, cable, CableDrag(1.2, 0.01, diameter=0.02, fluidDensity=1.2))
+
+
+def nothing(mbs, cable):
+    pass
+
+
+@pytest.mark.parametrize("tie", [nothing, pin, hang, drag])
+def test_a_cable_that_is_held_or_dragged_does_not_fly(mbs, add_cable, tie):
+    tie(mbs, add_cable(mbs))
+    mbs.Assemble()
+    [run] = compiled_runs(mbs, 0.0, 0.0, ExplicitSettings(), "a test", "here")
+    run.state.v[:] = np.tile([3.0, 4.0, 0.0, 0.0], 6)
+    expected = run.state.v if tie is nothing else np.zeros(24)
+    np.testing.assert_allclose(run.flight, expected, rtol=1e-14)
 
 
 def test_what_is_tied_moves_relative_to_the_ground(fly):
