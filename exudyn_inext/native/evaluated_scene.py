@@ -17,6 +17,7 @@ from ..items.functions_that_look import asked_item_functions
 from ..items.parameters import Parameter
 from ..run.cable_loads import CableLoads
 from ..run.coupled_watch import EvaluatedScene
+from ..run.flight import is_tied
 from ..run.parts_in_one import CompiledParts
 from ..scene.bodies import BodiesSystem, MassBlock
 from ..scene.coupled_system import CoupledSystem, Part
@@ -36,6 +37,7 @@ from ..system import (
 from .bodies import BodyMasses, SystemMass, read_bodies, read_quaternions, require_mass
 from .contact_rates import open_contacts
 from .coordinates import CoordinateMap
+from .flight import may_fly
 from .friction_check import FrictionCheck
 from .held import HeldCoordinates, holders
 from .joint_items import read_joints
@@ -170,6 +172,16 @@ class SceneOfExudyn(EvaluatedScene):
                 kind = self.mbs.GetNode(number)["nodeType"]
                 found[number] = place, 2 if "2D" in kind else 3
         return found
+
+    @property
+    def ways_of_flight(self) -> Array:
+        """(dim, n) see `Flight`."""
+        flies = may_fly(self.mbs) and not any(is_tied(one.cable.cable) for one in self.cables)
+        places, dimensions = np.array([*self.places_of_nodes.values()] if flies else [(0, 0)]).T
+        ways = np.zeros((dimensions.min(), self.size))
+        for axis, way in enumerate(ways):
+            way[places + axis] = 1.0
+        return ways
 
     @property
     def forces(self) -> Array:

@@ -2,14 +2,14 @@
 
 A transverse wave of the speed c, which the tension gives it, takes 20 steps to pass an element: the error in
 time is then near that of the mesh. c^2 is the tension over rho_A that weight, loads and inertia can cause at
-most, and twice the energy by mass that the motion starts with, as the slowest node sees it where nothing can
-be hit; among bodies, that of bending is left out where the cable rests in an equilibrium. The first vibration
-of the bent cable is resolved in any case, and among bodies all bending waves that the mesh resolves, or of
-cables that are lighter than each body, longer ones. Of elements whose lengths differ, a wave needs as many of
-its size as it spans: single short ones among others resolve nothing that the others do not. How fast the
-motion really is, the watch finds out, see `watch`: then the step becomes shorter, down to one whose error in
-bending waves is that of the mesh, and where cables stretch, one in which axial waves pass a share of an
-element.
+most, and twice the energy by mass that the motion starts with, as the node sees it where nothing can be hit
+that is the slowest one in the `Flight` of all; among bodies, that of bending is left out where the cable
+rests in an equilibrium. The first vibration of the bent cable is resolved in any case, and among bodies all
+bending waves that the mesh resolves, or of cables that are lighter than each body, longer ones. Of elements
+whose lengths differ, a wave needs as many of its size as it spans: single short ones among others resolve
+nothing that the others do not. How fast the motion really is, the watch finds out, see `watch`: then the
+step becomes shorter, down to one whose error in bending waves is that of the mesh, and where cables stretch,
+one in which axial waves pass a share of an element.
 """
 
 import math
@@ -39,17 +39,19 @@ FIRST_VIBRATION = 0.085  # step over L^2 sqrt(rho_A / EI): 0.3 / 3.52, h w of a 
 def accurate_step(
     run: CableRun,
     time: float,
+    flight: Array,
     acceleration: Callable[[], float] | None,
     may_touch: Callable[[], bool] | None = None,
 ) -> float:
     """Largest step that resolves the motion of a cable in time as well as its mesh does in space [s].
 
+    flight: (n_dof,) velocities of a frame that flies along with all that moves, see `Flight`.
     acceleration: among bodies, the largest one of nodes at the start [m/s^2], asked where it matters.
     may_touch: whether there is anything that the cable may hit; None: there is not.
     """
     cable = run.scene_cable.cable
     with np.errstate(over="ignore"):
-        speed = _wave_speed(run, time, acceleration, may_touch)
+        speed = _wave_speed(run, time, flight, acceleration, may_touch)
     of_waves = _resolved_length(cable) / (STEPS_BY_ELEMENT * speed) if speed > 0.0 else math.inf
     section = cable.section
     bends = math.sqrt(section.mass_per_length / section.bending_stiffness) * cable.length**2
@@ -98,7 +100,7 @@ def resolution_of_mesh(run: Run, time: float, theta: float) -> Array:
     section = cable.section
     stiffness = section.bending_stiffness / section.mass_per_length
     with np.errstate(over="ignore"):
-        return np.array([_wave_speed(run, time) ** 2, stiffness, _resolved_length(cable), theta])
+        return np.array([_wave_speed(run, time, run.flight) ** 2, stiffness, _resolved_length(cable), theta])
 
 
 def small_error(run: Run) -> float:
@@ -127,15 +129,16 @@ def _resolved_length(cable: Cable) -> float:
 def _wave_speed(
     run: CableRun,
     time: float,
+    flight: Array,
     acceleration: Callable[[], float] | None = None,
     may_touch: Callable[[], bool] | None = None,
 ) -> float:
-    """c [m/s], see above.   acceleration, may_touch: see `accurate_step`."""
+    """c [m/s], see above.   flight, acceleration, may_touch: see `accurate_step`."""
     cable = run.scene_cable.cable
     shape = cable.reference.shape
     inputs = run.loads.at(time)
     forces = np.linalg.norm(inputs[: run.state.q.size].reshape(shape)[:, 0], axis=1)
-    density, v = cable.section.mass_per_length, run.state.v.reshape(shape)[:, 0]
+    density, v = cable.section.mass_per_length, (run.state.v - flight).reshape(shape)[:, 0]
     slowest = v[np.argmin((v * v).sum(axis=1))]  # to fly along pulls nothing, until something is hit
     if may_touch is not None and slowest.any() and may_touch():
         slowest = np.zeros_like(slowest)

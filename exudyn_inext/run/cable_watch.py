@@ -1,5 +1,6 @@
 """The watch over one cable during a run, and what it says."""
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -8,11 +9,13 @@ from ..arrays import Array
 from ..cable.axial import SHORTEST
 from ..cable.cable import Cable
 from ..cable.links import all_links, motions_of
+from ..cable.sparse_forms import mass_entries
 from ..compiled import placed
 from ..integrators.integrator import FACTOR, PROJECTION
 from ..scene.model import CableInScene
-from ..system import report_energy
+from ..system import KINETIC, report_energy
 from .cable_loads import CableLoads
+from .flight import Flight, flight_of, is_tied
 from .run_watch import RunWatch
 from .watch import (
     FAILED,
@@ -60,7 +63,16 @@ class CableWatch(RunWatch):
         every = STEPS_WITH_POWER if self._has_power else STEPS_BETWEEN
         most = VIOLENT * energy_tolerance if gains_energy else np.inf
         least = FIRST_STEPS if moves else LEAST_STEPS
+        self._is_tied = is_tied(cable) or len(loads.pattern) > 0
         self.watch = build_watch(state, every, energy_tolerance, loads.pattern, least, most)
+
+    @cached_property
+    def flight(self) -> Flight:
+        """How it may fly along."""
+        dim = 0 if self._is_tied else self._cable.dimension
+        ways = np.zeros((dim, *self._shape))
+        ways[range(dim), :, 0, range(dim)] = 1.0
+        return flight_of(ways.reshape(dim, self._cable.reference.size), mass_entries(self._cable))
 
     @property
     def placed(self) -> Any:
@@ -72,7 +84,10 @@ class CableWatch(RunWatch):
     def open(self, system: Any, external: Array, state: Any) -> None:
         """Begin with a state that the integrator has just started from."""
         self._report(system, external, state)
-        open_account(self.watch, state, self.round_off)
+        self.watch.flight[:] = speeds, momenta = self.flight.along(state.v)
+        seen = float(self.watch.present_report[KINETIC] - momenta @ (state.v - 0.5 * speeds))
+        of_flight = ROUND_OFF * 0.5 * float(momenta @ speeds)
+        open_account(self.watch, state, self.round_off + of_flight, seen)
         if self._has_power and self.stretches:  # it may set in at once, where supports begin to move
             self.watch.account["ahead"][NOW] = FIRST_STEPS
 

@@ -417,6 +417,11 @@ class CoupledRun(LimitedRun):
         return [(dofs, cable.reference.shape) for dofs, cable in places]
 
     @property
+    def flight(self) -> Array:
+        """See `CableRun.flight`."""
+        return self.watch.flight.along(self.state.v)[0]
+
+    @property
     def places_of_nodes(self) -> dict[int, tuple[int, int]]:
         """See `CableRun.places_of_nodes`; of cables and bodies."""
         return self._scene.places_of_nodes
@@ -543,6 +548,7 @@ class CoupledRun(LimitedRun):
         self._unsolvable, end = "", done + len(times)
         is_checked = not piece.is_whole and end == piece.steps
         try:
+            self.watch.begin_steps(piece.h)
             self.mover.take(piece, times, done, history, self.watch)
             self.watch.count(len(times))
             self.watch.bears_throws = not self.control.may_quarter

@@ -18,6 +18,7 @@ from ..compiled import Prepared
 from ..integrators.integrator import Integrator
 from ..integrators.linear_stability import frequency_limit
 from ..scene.path_work import (
+    FLIGHT,
     FLOOR,
     LACK,
     SCALE,
@@ -29,8 +30,9 @@ from ..scene.path_work import (
     largest_throw,
     take_sums,
 )
-from ..system import POWER
+from ..system import KINETIC, POWER
 from .cable_run import CableRun
+from .flight import flight_of
 from .moving_parts import Motions, motions_of, see, verdict_with_parts
 from .run_watch import RunWatch
 from .watch import (
@@ -119,6 +121,7 @@ class CoupledWatch(RunWatch):
         state: of the integrator, whose steps follow a scheme.
         energy_tolerance: see `ExplicitSettings.energyTolerance`.
 
+    flight: how the scene may fly along.
     path: memory of the work of whole steps.   before: (2, n) q and a at the start of the last step.
     path_of_evaluations: for `NativeItems.path` during steps; a lack of work within a step shows in it.
     has_one_evaluation: each step.
@@ -157,7 +160,7 @@ class CoupledWatch(RunWatch):
         lengths = [cable.length for run in runs for cable in run.cables]
         self._length = max(lengths, default=0.0)
         self._has_contact, self._remembers = scene.native_items.has_contact, scene.native_items.remembers
-        self._parts = self._moving_parts(len(state.q))
+        self._parts = self._moving_parts(scene.ways_of_flight)
         self.take_constants(state.q)
         self._energy_tolerance = energy_tolerance
         self._limit = frequency_limit(integrator, scheme, growth=GROWTH)
@@ -180,7 +183,7 @@ class CoupledWatch(RunWatch):
         self._scale = 1.0  # of violated joints [m, -]
         self._step = 0.0  # last one [s]
         self._resolution = 0.0  # energy of velocities of round-off, times the square of the step [J s^2]
-        self._last = np.zeros(2)  # inspection: its time [s], and the square of the velocities then
+        self._last = np.zeros(3)  # inspection: time [s], square of velocities, and see `_energy_of_flight`
         self._calm = 0.0  # largest square of velocities that calls for no other one
         self._counts = np.zeros(2, int)  # see _STEPS
 
@@ -197,7 +200,8 @@ class CoupledWatch(RunWatch):
 
     def open(self, t: float, state: Any) -> None:
         """Begin with a state that the integrator has just started from."""
-        self._start[:] = state.q
+        self.watch.flight[:] = speeds, _ = self.flight.along(state.v)
+        self._start[:] = state.q - t * speeds
         forces = self._begin_work(t, state)
         self._counts[:] = 0, FIRST_STEPS
         self._begin(t, state)
@@ -205,7 +209,9 @@ class CoupledWatch(RunWatch):
         self._scale = max(1.0, extent)
         size = float(np.abs(forces + self._gravity[: len(forces)]).sum())
         floor = ROUND_OFF * extent * size + sum(run.watch.round_off for run in self._runs)
-        open_account(self.watch, state, floor)
+        floor += OF_PLACES * self._evaluated.kinetic_energy(state.q, speeds)
+        seen = float(self.watch.present_report[KINETIC] - self._last[2])
+        open_account(self.watch, state, floor, seen)
         self._parts.motion[:] = 0.0
         places = np.full(len(state.q), OF_PLACES * extent)
         self._resolution = self._evaluated.kinetic_energy(state.q, places)
@@ -222,6 +228,7 @@ class CoupledWatch(RunWatch):
     def _begin_work(self, t: float, state: Any) -> Any:
         """Count work from a state on; returns the forces of Exudyn's items in it."""
         self._evaluated.report_energy(t, state, self.watch.present_report)
+        self._last[2] = self._energy_of_flight(state)
         forces = self._evaluated.forces
         for path in self._paths:
             begin_path(path, state.q, forces)
@@ -232,7 +239,7 @@ class CoupledWatch(RunWatch):
     def begin_again(self, t: float, state: Any) -> None:
         """Go on from a state that the integrator has just started from, and whose velocities have changed."""
         if self._counts[_STEPS]:
-            see(self._parts, self._way_to(state.q))
+            see(self._parts, self._way_to(t, state.q))
         self._counts[_MOST] = FIRST_STEPS
         self._begin_work(t, state)
         self._begin(t, state)
@@ -266,6 +273,10 @@ class CoupledWatch(RunWatch):
         steps, most = self._counts.tolist()
         return min(STEPS_BETWEEN_CHECKS, most - steps)
 
+    def begin_steps(self, h: float) -> None:
+        """Steps of h [s] are about to be taken."""
+        self.path[FLIGHT, : len(self._start)] = h * self.watch.flight[0]
+
     def count(self, steps: int) -> None:
         """These steps have been taken."""
         before = int(self._counts[_STEPS])
@@ -286,7 +297,7 @@ class CoupledWatch(RunWatch):
         if self._remembers and (turned := h * self._evaluated.fastest_turn) > MOST_TURN:
             return self._condemn(state, TURNED, turned)
         few = self._counts[_STEPS] < self._counts[_MOST] and not (self.is_close or at_once)
-        if few and self._check_velocities(state.q, state.v, state.a) <= self._calm:
+        if few and self._check_velocities(state.q, self._seen(state.v), state.a) <= self._calm:
             return True
         trouble = self._verdict(self.watch, h, t, state)
         self._lacks[SCALE] = max(self._lacks[SCALE], self.turned_over)
@@ -321,7 +332,8 @@ class CoupledWatch(RunWatch):
         vibrations, by their energies -a . M x / 2, and so at most the square of their largest frequency.
         Strong implicit damping of axial vibrations turns accelerations round, too: these become smaller.
         """
-        way, change = state.q - self.before[0], (h / self._limit) ** 2 * (state.a - self.before[1])
+        way = state.q - self.before[0] - h * self.watch.flight[0]
+        change = (h / self._limit) ** 2 * (state.a - self.before[1])
         energy, least = self._evaluated.kinetic_energy, self._energy_tolerance * float(self._lacks[SCALE])
         least *= 2.0 * (h / self._limit) ** 2
         of_way, of_change = energy(state.q, way), energy(state.q, change)
@@ -360,7 +372,8 @@ class CoupledWatch(RunWatch):
     def _begin(self, t: float, state: Any) -> None:
         """Count steps from a state at t [s]."""
         self._counts[:] = 0, min(2 * self._counts[_MOST], self._most_steps)
-        self._last[:] = t, state.v.dot(state.v)
+        seen = self._seen(state.v)
+        self._last[:2] = t, seen.dot(seen)
         self._calm = CALM * float(self._last[1])
 
     @property
@@ -380,11 +393,16 @@ class CoupledWatch(RunWatch):
         if self.path is not self.path_of_evaluations:
             take_sums(self.path_of_evaluations)
         work += 0.5 * float(self._changes[0]) / h**2
+        of_flight, speeds = self._energy_of_flight(state), self.watch.flight[0]
+        work += of_flight - self._last[2] - duration * float(self._gravity @ speeds)
+        self._last[2] = of_flight
         self._changes[:] = 0.0
         steps, slope = int(self._counts[_STEPS]), float(watch.account["slope"][NOW])
-        spins, way = self._evaluated.energies_of_spins(watch.duration), self._way_to(state.q)
+        spins, way = self._evaluated.energies_of_spins(watch.duration), self._way_to(t, state.q)
         bare = watch._replace(kept=())  # of one type for all integrators
-        given = self._parts, way, spins, h, bare, state.q, state.v, state.a, self._gravity
+        seen = float(self.watch.present_report[KINETIC]) - of_flight
+        of_state = state.q, self._seen(state.v), state.a, seen
+        given = self._parts, way, spins, h, bare, *of_state, self._gravity
         trouble = int(self._draw_up(*given, float(work), float(scatter), steps, float(duration)))
         bend = abs(float(watch.account["slope"][NOW]) - slope)
         if not self.is_close and bend * duration**2 > BENT * self.turned_over:
@@ -395,9 +413,9 @@ class CoupledWatch(RunWatch):
             keep(watch, state)
         return trouble
 
-    def _moving_parts(self, size: int) -> Motions:
-        """Each cable and each body; first order states are no motion."""
-        part, bodies, masses = np.arange(size), self._bodies, []
+    def _moving_parts(self, ways: Array) -> Motions:
+        """Each cable and each body; first order states are no motion.   ways: of the `flight` of all."""
+        part, bodies, masses = np.arange(ways.shape[1]), self._bodies, []
         for run, dofs in zip(self._runs, self._places, strict=False):
             part[dofs] = dofs.start
             masses.append((dofs.start, mass_entries(run.scene_cable.cable)))
@@ -405,10 +423,22 @@ class CoupledWatch(RunWatch):
         masses.append((bodies.dofs.start, bodies.system.mass_entries))
         of_all = [(first + rows, first + columns, values) for first, (rows, columns, values) in masses]
         rows, columns, values = map(np.concatenate, zip(*of_all, strict=True))
+        self.flight = flight_of(ways, (rows, columns, values))
         return motions_of(part, (rows, columns, values), self._length)
 
-    def _way_to(self, q: Array) -> Array:
-        """(n,) from where the extent of the motion counts."""
-        way: Array = q - self._start
+    def _seen(self, v: Array) -> Array:
+        """Velocities (n,) as the frame sees them that flies along."""
+        return v - self.watch.flight[0]
+
+    def _energy_of_flight(self, state: Any) -> float:
+        """Kinetic energy that it does not see [J]."""
+        if not self.watch.flight.any():
+            return 0.0
+        energy = self._evaluated.kinetic_energy
+        return energy(state.q, state.v) - energy(state.q, self._seen(state.v))
+
+    def _way_to(self, t: float, q: Array) -> Array:
+        """(n,) from where the extent of the motion counts, so seen."""
+        way: Array = q - t * self.watch.flight[0] - self._start
         self._evaluated.leave_out_turns(way)
         return way

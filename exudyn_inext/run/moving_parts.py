@@ -90,14 +90,14 @@ def _find_fastest(least, motion, h, fastest):
 
 
 @kernel
-def verdict_with_parts(parts, way, spins, h, watch, q, v, a, constant, work, scatter, steps, duration):
+def verdict_with_parts(parts, way, spins, h, watch, q, v, a, seen, constant, work, scatter, steps, duration):
     """As `verdict_after_work`, of the fastest part; what rests has not begun to move.
 
     Args:
         parts: `Motions` so far; they go on if all is well.
-        way: (n,) x - x_0, which may be the farthest one so far.
+        way, v: (n,) x - x_0, which may be the farthest one so far, and velocities, as `seen`.
         spins: (n,) what a . M a / 2 lacks, at the first coordinate of each body that turns [J/s^2].
-        h: step [s].   q, v, a: (n,) present state.   others: see `verdict_after_work`.
+        h: step [s].   q, a: (n,) present state.   others: see `verdict_after_work`.
     """
     see(parts, way)
     _go_on(parts, a, v, spins, duration)
@@ -106,7 +106,7 @@ def verdict_with_parts(parts, way, spins, h, watch, q, v, a, constant, work, sca
     account.forces, account.speeds = parts.fastest[_FORCES], parts.fastest[_SPEEDS]
     account.time = parts.fastest[_TIME]
     account.extent, account.floor = parts.fastest[_EXTENT], parts.fastest[_FLOOR]
-    trouble = verdict_after_work(watch, q, constant, work, scatter, steps, duration)
+    trouble = verdict_after_work(watch, q, seen, constant, work, scatter, steps, duration)
     if trouble == ALL_IS_WELL:
         for row in range(len(MOTION)):
             for p in range(len(parts.least)):

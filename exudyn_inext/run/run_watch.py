@@ -164,7 +164,7 @@ class RunWatch:
 
     def memory(self) -> dict[str, Any]:
         """Arrays that the next inspections depend on, by names."""
-        names = ("account", "position", "work", "kept_work", "energy_report")
+        names = ("account", "flight", "position", "work", "kept_work", "energy_report")
         return {name: getattr(self.watch, name) for name in names} | {"kept": remembered(self.watch.kept)}
 
     @property

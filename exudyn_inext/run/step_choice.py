@@ -269,8 +269,10 @@ def _accuracy(run: Run, start: float) -> float:
     """Largest step that resolves the motion of the cables of a run [s]."""
     among_bodies = isinstance(run, CoupledRun)
     acceleration = cache(partial(_largest_acceleration, run, start)) if among_bodies else None
-    given = start, acceleration, cache(run.may_touch) if isinstance(run, CoupledRun) else None
-    return min((accurate_step(cable, *given) for cable in run.cable_runs), default=math.inf)
+    given, flight = (acceleration, cache(run.may_touch) if isinstance(run, CoupledRun) else None), run.flight
+    cables = zip(run.cable_runs, run.places_of_cables, strict=True)
+    steps = (accurate_step(cable, start, flight[dofs], *given) for cable, (dofs, _) in cables)
+    return min(steps, default=math.inf)
 
 
 def _largest_acceleration(run: Run, start: float) -> float:

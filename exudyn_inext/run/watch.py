@@ -21,6 +21,8 @@ energy of the others. What an account says of the motion is then that of the par
 Where bending carries the waves of a cable, its mesh has a phase error, too. A step whose error is no larger
 is short enough, whatever their frequency: both errors grow with the fourth power of the wave number.
 
+Of a run that nothing ties to its surroundings, all that is as a frame sees it that flies along, see `Flight`.
+
 Implicit axial vibrations that the step does not resolve are left out of a, as shorter steps would not make
 them more accurate before they resolve them.
 """
@@ -98,6 +100,7 @@ class Watch(NamedTuple):
         bounds of kinetic and elastic energy so far [J]; relative `error` of the energy and its extremes so
         far, `gain` and `loss` [-]; largest `violation` of a constraint so far [-]; how many `steps` were
         found well so far, how many are `ahead` of the next inspection; what the `trouble` is.
+    flight: (2, n_dof) velocities and momenta of a frame that flies along with the motion, see `Flight`.
     position: (n_dof,) when work was counted last.
     pattern, work: (P, n_dof), (P, 5) of load histories, see `LoadHistory`.
     kept_work: at the last inspection.
@@ -114,6 +117,7 @@ class Watch(NamedTuple):
     mesh: Array
     small: float
     account: Any
+    flight: Array
     position: Array
     pattern: Array
     work: Array
@@ -151,6 +155,7 @@ def build_watch(
         mesh=NO_MESH,
         small=0.0,
         account=account,
+        flight=np.zeros((2, size)),
         position=np.zeros(size),
         pattern=own,
         work=_no_work(own),
@@ -215,10 +220,10 @@ def _first_steps(watch: Watch) -> int:
     return max(watch.least, min(watch.every, LEAST_STEPS))
 
 
-def open_account(watch: Watch, state: Any, round_off: float) -> None:
+def open_account(watch: Watch, state: Any, round_off: float, seen: float) -> None:
     """Begin with a state, of which `present_report` is; extremes so far are kept.
 
-    round_off: of its energy [J].
+    round_off: of its energy [J].   seen: its kinetic energy, as the frame sees it that flies along [J].
     """
     kinetic, elastic = watch.present_report[KINETIC], watch.present_report[ELASTIC]
     account = watch.account[NOW : NOW + 1]
@@ -228,7 +233,7 @@ def open_account(watch: Watch, state: Any, round_off: float) -> None:
     account["acceleration_energy"] = watch.present_report[RESOLVED]
     account["unsure"] = account["round_off"] = round_off
     account["ahead"] = _first_steps(watch)
-    account["largest_kinetic"] = kinetic
+    account["largest_kinetic"] = seen
     account["least_elastic"] = account["largest_elastic"] = elastic
     account["trouble"] = ALL_IS_WELL
     watch.position[:] = state.q
@@ -285,8 +290,21 @@ def _look_ahead(watch, steps, duration, turned_over):
 
 
 @inlined
-def _draw_up(watch, steps, duration):
+def _see_in_flight(watch, constant, v, duration):
+    """Kinetic energy as the frame sees it that flies along [J]; the work becomes that which it sees."""
+    account, speeds, momenta, before = watch.account[NOW], watch.flight[0], watch.flight[1], watch.kept.v
+    seen = watch.present_report[KINETIC]
+    for i in range(len(momenta)):
+        account.work += momenta[i] * (v[i] - before[i]) - duration * speeds[i] * constant[i]
+        seen -= momenta[i] * (v[i] - 0.5 * speeds[i])
+    return seen
+
+
+@inlined
+def _draw_up(watch, steps, duration, seen):
     """The present error of the energy, beyond what the account itself may be wrong by; returns its jump.
+
+    seen: kinetic energy, as a frame sees it that flies along; so it does the work that has been counted [J].
 
     A central difference scheme keeps the energy less h^2 a . M a / 8, exactly if the system is linear: so
     much is in vibrations that the step does not resolve. Implicit ones keep it as it is.
@@ -295,7 +313,7 @@ def _draw_up(watch, steps, duration):
     by_power = 0.5 * (watch.energy_report[POWER] + now[POWER]) * duration
     account.work += by_power
     account.unsure += SHARE_OF_POWER * abs(by_power)
-    account.largest_kinetic = max(account.largest_kinetic, now[KINETIC])
+    account.largest_kinetic = max(account.largest_kinetic, seen)
     account.least_elastic = min(account.least_elastic, now[ELASTIC])
     account.largest_elastic = max(account.largest_elastic, now[ELASTIC])
     turned_over = account.largest_kinetic + account.largest_elastic - account.least_elastic
@@ -338,13 +356,13 @@ def _errors_of_waves(mesh, squared, h_squared):
 
 
 @inlined
-def _count_motion(watch, duration):
-    """What rests before the motion begins is no part of it."""
+def _count_motion(watch, duration, seen):
+    """What rests before the motion begins is no part of it.   seen: see `_draw_up`."""
     account, now = watch.account[NOW], watch.present_report
-    if max(account.largest_kinetic, now[KINETIC]) > MOTION * account.round_off:
+    if max(account.largest_kinetic, seen) > MOTION * account.round_off:
         account.time += duration
         account.forces += now[RESOLVED] * duration
-        account.speeds += now[KINETIC] * duration
+        account.speeds += seen * duration
 
 
 @inlined
@@ -400,14 +418,14 @@ def check_velocities(q, v, a):
 
 
 @inlined
-def _verdict(watch, steps, duration):
-    """What the trouble is after some steps whose work is counted."""
+def _verdict(watch, steps, duration, seen):
+    """What the trouble is after some steps whose work is counted.   seen: see `_draw_up`."""
     account, now = watch.account[NOW], watch.present_report
     account.trouble = ALL_IS_WELL
     if not _is_finite(now):
         account.trouble = NOT_FINITE
     else:
-        jump = _draw_up(watch, steps, duration)
+        jump = _draw_up(watch, steps, duration, seen)
         if now[VIOLATION] > LARGEST_VIOLATION:
             account.trouble = CONSTRAINTS
         elif account.error > watch.most:
@@ -432,11 +450,12 @@ def condemn(watch: Watch, state: Any, trouble: int, excess: float) -> None:
 
 
 @inlined
-def verdict_after_work(watch, q, constant, work, scatter, steps, duration):
+def verdict_after_work(watch, q, seen, constant, work, scatter, steps, duration):
     """Draw up the account with `present_report`, after work that was counted elsewhere.
 
     Args:
         watch: over the run; nothing need be `kept`.   q: (n_dof,) present coordinates.
+        seen: kinetic energy, as the frame sees it that flies along [J].
         constant: (n_dof,) force whose work is counted here.
         work: of the other forces [J].   scatter: of that work [J^2].
         steps, duration: since the last time [-, s].
@@ -448,7 +467,7 @@ def verdict_after_work(watch, q, constant, work, scatter, steps, duration):
     account.work += work
     account.scatter += scatter
     _add_work_of_loads(watch, constant, q)
-    return _verdict(watch, steps, duration)
+    return _verdict(watch, steps, duration, seen)
 
 
 @inlined
@@ -487,8 +506,9 @@ def record_watched(scheme, system, loads, state, h, steps, history, watch):
         advance(scheme, system, part, state, h, of_interval, history[first:last])
         report_energy(system, state.external, state.q, state.v, state.a, watch.force, watch.present_report)
         _add_work_of_loads(watch, loads.constant, state.q)
-        _count_motion(watch, number * h)
-        if _verdict(watch, number, number * h) != ALL_IS_WELL:
+        seen = _see_in_flight(watch, loads.constant, state.v, number * h)
+        _count_motion(watch, number * h, seen)
+        if _verdict(watch, number, number * h, seen) != ALL_IS_WELL:
             return first
         _keep(watch, state)
         done += number

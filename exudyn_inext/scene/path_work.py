@@ -5,7 +5,7 @@ import numpy as np
 from ..arrays import Array
 from ..compiled import inlined, inlined_kernel, kernel
 
-POSITION, FORCE, WAY, CHANGE, SPEED, THROWN, SUMS = range(7)
+POSITION, FORCE, WAY, CHANGE, SPEED, THROWN, FLIGHT, SUMS = range(8)
 WORK, SCATTER, LACK, SCALE, FLOOR, STEPS, BEGINNING = range(7)
 FASTER = 1.1  # than it came: so no contact throws a body off, closed or not, with steps that are stable
 RECENT = 0.98  # of a speed is left of it in the next step
@@ -14,13 +14,14 @@ RECENT = 0.98  # of a speed is left of it in the next step
 def build_path(size: int) -> Array:
     """Memory of the work of forces on `size` coordinates.
 
-    (7, size or more): POSITION and FORCE at present, WAY and CHANGE of the force in the last step, the recent
-    SPEED and the largest one THROWN at, see `_thrown_by`, both as ways of a step, and the SUMS over all
-    steps: WORK [J], and its SCATTER [J^2]; the largest LACK of the work of a step, relative to the energy
-    that the motion has turned over before, SCALE [J]. That is none below its FLOOR [J]; the STEPS since it is
-    some, and how many of them are the BEGINNING, see `expect_energy`.
+    (8, size or more): POSITION and FORCE at present, WAY and CHANGE of the force in the last step, the recent
+    SPEED and the largest one THROWN at, see `_thrown_by`, both as ways of a step, the FLIGHT in a step of the
+    frame that sees the ways, and the SUMS over all steps: WORK [J], and its SCATTER [J^2]; the largest LACK
+    of the work of a step, relative to the energy that the motion has turned over before, SCALE [J]. That is
+    none below its FLOOR [J]; the STEPS since it is some, and how many of them are the BEGINNING, see
+    `expect_energy`.
     """
-    return np.zeros((7, max(size, 7)))
+    return np.zeros((8, max(size, 7)))
 
 
 def begin_path(path: Array, q: Array, force: Array) -> None:
@@ -96,7 +97,7 @@ def follow(path, q, force):
     """
     work, lack = 0.0, 0.0
     for i in range(len(force)):
-        way, change = q[i] - path[POSITION, i], force[i] - path[FORCE, i]
+        way, change = q[i] - path[POSITION, i] - path[FLIGHT, i], force[i] - path[FORCE, i]
         work += (path[FORCE, i] + 0.5 * change) * way
         lack += path[CHANGE, i] * way - change * path[WAY, i]
         path[THROWN, i] = max(path[THROWN, i], _thrown_by(path, i, way, change))

@@ -129,6 +129,7 @@ def _blind(watch: Any) -> Any:
         stretches=watch.stretches,
         steps_ahead=inner.STEPS_BETWEEN,
         look=lambda state: None,
+        begin_steps=lambda h: None,
         count=lambda steps: None,
         is_well_at=lambda t, h, state, at_once=False: True,
     )

@@ -299,7 +299,7 @@ def test_accelerations_that_turn_round_are_unstable_if_they_grow(factor, stretch
     """Those of axial vibrations that become smaller are damped, however fast they change in a step."""
     h, before = 1e-3, np.array([100.0, 0.0])
     watch = object.__new__(CoupledWatch)
-    watch.stretches = stretches
+    watch.stretches, watch.watch = stretches, SimpleNamespace(flight=np.zeros((2, 2)))
     watch.before, watch._limit, watch._energy_tolerance = np.array([np.zeros(2), before]), 2.0, 0.01
     watch._lacks = np.zeros(SCALE + 1)
     watch._evaluated = SimpleNamespace(kinetic_energy=lambda q, v: 0.5 * (v @ v))

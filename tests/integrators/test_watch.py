@@ -23,7 +23,7 @@ from exudyn_inext.run.watch import (
     open_account,
     record_watched,
 )
-from exudyn_inext.system import report_energy
+from exudyn_inext.system import KINETIC, report_energy
 from tests.cables import planar_pendulum
 
 TOLERANCE, MOST = 0.003, 0.009
@@ -49,7 +49,7 @@ class WatchedPendulum:
         report_energy(
             self.system, self.constant, *self.state[:3], self.watch.force, self.watch.present_report
         )
-        open_account(self.watch, self.state, 1e-12)
+        open_account(self.watch, self.state, 1e-12, self.watch.present_report[KINETIC])
         self.account = self.watch.account[0]
 
     def loads(self, h, steps):
