@@ -44,7 +44,7 @@ def axial_findings(kept: KeptStates) -> tuple[Finding, Finding]:
 
 def _findings(kept: KeptStates, most: int, turn: float) -> tuple[Finding, Finding]:
     """most: looks.   turn: along compressed elements that count, a small one [rad]."""
-    run, (times, steps, states) = kept.run, kept.all
+    run, (times, steps, states) = kept.run, kept.under_present_forces
     number = min(most, max(2, MOST_SOLVES // len(run.cables)), len(states))
     places = np.linspace(0, len(states) - 1, number).astype(int)
     looks = [(float(times[k]), float(steps[k]), states[k]) for k in places]

@@ -28,6 +28,8 @@ class KeptStates:
         self._intervals = np.zeros(self._most + 1, np.int64)  # before the states
         self._times, self._steps = np.zeros((2, self._most + 1))
         self._states = np.empty((self._most + 1, 2, size))
+        self._changed = -np.inf  # when what acts did so last [s]
+        self._last: tuple[float, Array] = (0.0, np.zeros((0, 2, size)))
 
     def __len__(self) -> int:
         return self._number
@@ -36,6 +38,8 @@ class KeptStates:
         """Of the intervals of the loop from number `first` on.   history: (intervals, 3, n), see `record`."""
         while self._number + len(history) // self._every > self._most:
             self._leave_out_half()
+        if len(history):
+            self._last = grid.time(first + len(history)), history[-1:, :2].copy()
         offset = -first % self._every
         if offset >= len(history):
             return
@@ -46,6 +50,11 @@ class KeptStates:
         self._steps[own] = self.run.steps_before(len(history))[offset :: self._every]
         self._states[own] = found
         self._number = own.stop
+
+    def change_forces(self, time: float) -> None:
+        """What acts on the run changes at this time [s], and states that were computed beyond it are void."""
+        self._changed = time
+        self._number = int(np.searchsorted(self._times[: self._number], time, "right"))
 
     def _leave_out_half(self) -> None:
         self._every *= 2
@@ -59,6 +68,16 @@ class KeptStates:
         """Of a run that is over: times (k,), steps before them (k,) [s], places and velocities (k, 2, n)."""
         number = self._number
         return self._times[:number], self._steps[:number], self._states[:number]
+
+    @property
+    def under_present_forces(self) -> tuple[Array, Array, Array]:
+        """`all` since what acts has changed, at least the last state: forces in others are not known."""
+        since = int(np.searchsorted(self._times[: self._number], self._changed, "right"))
+        if since < self._number:
+            times, steps, states = self.all
+            return times[since:], steps[since:], states[since:]
+        time, states = self._last
+        return np.full(len(states), time), self.run.steps_before(1), states
 
     def nodes(self, cable: int, displacements: Array) -> Array:
         """(T, n, 2, dim) positions and slopes of one of the cables.   displacements: (T, n) of all."""

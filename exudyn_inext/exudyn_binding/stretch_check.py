@@ -29,7 +29,7 @@ def left_out_stretch(kept: KeptStates) -> list[tuple[float, str]]:
     known = [k for k, one in enumerate(run.cable_runs) if one.scene_cable.item.leaves_stretch_out]
     if not (known and len(kept)):
         return []
-    times, _, states = kept.all
+    times, _, states = kept.under_present_forces
     changes = np.linalg.norm(np.diff(states[:, 1], axis=0), axis=1)
     number = max(2, min(LOOKS, MOST_SOLVES // len(run.cable_runs)))
     usual = np.linspace(0, len(times) - 1, min(number, len(times))).astype(int)
@@ -38,7 +38,7 @@ def left_out_stretch(kept: KeptStates) -> list[tuple[float, str]]:
         found = {k: run.tensions(times[k], *states[k]) for k in set(looks)}
     except InextensibleError:  # items that were changed do not allow an earlier state any more
         return []
-    displacements, said = np.vstack([kept.start, states[:, 0]]), []
+    displacements, said = np.vstack([kept.start, kept.all[2][:, 0]]), []
     for k in known:
         q = kept.nodes(k, displacements)[:, :, 0]
         largest = np.array([np.abs(found[look][k]).max() for look in looks])

@@ -14,6 +14,7 @@ from ..arrays import Array, as_slice
 from ..cable.support_forces import Solved
 from ..errors import DivergenceError, SceneError
 from ..items.functions_of_time import has_sensor_functions, step_functions
+from ..items.functions_that_look import asked_item_functions, may_change_anything
 from ..native.compiled_form import active_general_contacts
 from ..run.coupled_run import Run
 from ..run.divergence import divergence, listed
@@ -75,6 +76,9 @@ class ExplicitTimeLoop:
         self._remembering_errors = _RememberingErrors(self)
         self._data = mbs.systemData
         self._is_watched = is_watched(mbs, runs)
+        self._is_steered = bool(asked_item_functions(mbs)) and any(
+            may_change_anything(function, mbs) for function in step_functions(mbs)
+        )
         self._only_items_ask = self._is_watched and not step_functions(mbs)
         self._contacts = contacts_in_view(mbs, runs) if self._is_watched or has_sensor_functions(mbs) else []
         self._written = self._present(INITIAL)
@@ -487,7 +491,10 @@ class ExplicitTimeLoop:
         jumps: see `ChangeFollower.follow`.
         """
         time = self.time
-        if not self.changes.has_news(self.runs, time):
+        has_news = self.changes.has_news(self.runs, time)
+        for kept in self.kept_states if has_news or self._is_steered else ():
+            kept.change_forces(time)
+        if not has_news:
             return
         self._withdraw()
         try:

@@ -160,7 +160,8 @@ def CreateInextensibleCable(
     shared = _shared_nodes(mbs, way, (nodeNumberStart, nodeNumberEnd), (shareSlopeStart, shareSlopeEnd))
     in_space = isinstance(beamTemplate, ObjectANCFCable) or any(one.dimension == 3 for one in shared.values())
     dim = _dimension(3 if in_space and dimension is None else dimension, checked, gravity_vector)
-    cable = cable_of(template, checked, dim)
+    functions, section = user_forces_of(mbs, beamTemplate, template, dim)
+    cable = cable_of(section, checked, dim)
     for name, given in (("groundConstraints", groundConstraintsEnd), ("nodeNumber", nodeNumberEnd)):
         if checked.closed and given is not None:
             raise InputError(
@@ -172,7 +173,6 @@ def CreateInextensibleCable(
     held[0] = _constraint_flags("groundConstraintsStart", groundConstraintsStart, cable, 0)
     if not checked.closed:
         held[-1] = _constraint_flags("groundConstraintsEnd", groundConstraintsEnd, cable, -1)
-    functions = user_forces_of(beamTemplate, template, dim)
     warn_of_units(cable, gravity_vector)
     item, made = _add_items(mbs, cable, checked.v[:, :, :dim], gravity_vector[:dim], held, way, shared)
     item.left_out = stiffness_left_out(beamTemplate, template)

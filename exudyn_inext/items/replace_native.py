@@ -124,8 +124,8 @@ def _replacement(mbs: Any, chain: NativeChain, stretches: bool) -> _Replacement:
     try:
         section = InextensibleCable.from_template(chain.template, stretches)
         shape = check_shape(chain.shape(mbs, "straight" if stretches else "shape"), stretches)
-        functions = user_forces_of(chain.template, section, chain.dimension)
-        return _Replacement(chain, section, cable_of(section, shape, chain.dimension), functions)
+        functions, damped = user_forces_of(mbs, chain.template, section, chain.dimension)
+        return _Replacement(chain, section, cable_of(damped, shape, chain.dimension), functions)
     except InputError as error:
         raise InputError(f"{chain.name}: {error}") from None
 

@@ -18,8 +18,10 @@ from .joint_item import JointItem
 from .sliding_joints import SlidingJoint
 
 STEP = 1e-4  # of differences along the motion [m, -, s], where coordinates are 1 at most
-# places, in steps, and weights of second differences: between two, or of one side up to the fifth power
+# places, in steps, and weights of second differences: between two; between four, for functions of time, which
+# may be fast; or of one side. The last two are exact up to the fifth power.
 _BETWEEN = np.array([1.0, -1.0]), np.ones(2)
+_AROUND = np.array([1.0, -1.0, 2.0, -2.0]), np.array([16.0, 16.0, -1.0, -1.0]) / 12.0
 _BESIDE = np.arange(1.0, AHEAD.shape[1]), STEP_OF_TIME**2 * AHEAD[1, 1:]
 
 
@@ -163,7 +165,7 @@ class JointRows:
         step = self._step * size**0.5 / speed  # large coordinates have larger round-off
         if self.follows_time:
             step = min(step, STEP_OF_TIME)
-        places, weights = _BESIDE if side else _BETWEEN
+        places, weights = _BESIDE if side else _AROUND if self.follows_time else _BETWEEN
         times = step * (side or 1.0) * places
         along = [(value_at(t + s, self._moved(q, v, s)), self._rates(mbs, v)) for s in times.tolist()]
         gamma = weights @ [value - beside for beside, _ in along] / step**2

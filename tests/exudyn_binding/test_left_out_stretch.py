@@ -6,12 +6,14 @@ import exudyn
 import numpy as np
 import pytest
 from exudyn.itemInterface import (
+    CartesianSpringDamper,
     CoordinateConstraint,
     CoordinateSpringDamper,
     LoadCoordinate,
     LoadForceVector,
     LoadMassProportional,
     MarkerBodyMass,
+    MarkerBodyPosition,
     MarkerNodeCoordinate,
     MarkerNodePosition,
     NodePoint2DSlope1,
@@ -274,3 +276,44 @@ def test_a_run_does_not_begin_again_where_a_step_function_has_seen_it(waves_are_
     mbs.SetPreStepUserFunction(lambda mbs, t: True)
     with pytest.raises(DivergenceError, match="axial vibrations, which the steps did not resolve"):
         SolveExplicit(mbs, quiet_settings(1.0, 100))
+
+
+def led_rope(sets_offset):
+    """A rope that hangs from a pin; a mass at its end, which a controller leads smoothly by a spring."""
+    mbs = exudyn.SystemContainer().AddSystem()
+    section = ObjectANCFCable2D(massPerLength=0.2, bendingStiffness=0.05, axialStiffness=4e5)
+    held = {"gravity": GRAVITY, "groundConstraintsStart": PINNED}
+    cable = CreateInextensibleCable(mbs, [0, 0, 0], [0, -2.0, 0], 8, section, **held)
+    mass = mbs.CreateMassPoint(
+        referencePosition=[0, -2.0, 0], mass=0.3, gravity=GRAVITY, create2D=True, returnDict=True
+    )
+    ground = mbs.AddMarker(MarkerBodyPosition(bodyNumber=mbs.CreateGround(), localPosition=[0, -2.0, 0]))
+    end, hook = (
+        mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
+        for node in (mass["nodeNumber"], cable["nodes"][-1])
+    )
+    mbs.AddObject(SphericalJoint(markerNumbers=[hook, end], constrainedAxes=[1, 1, 0]))
+    mbs.variables["offset"] = 0.0
+
+    def force(mbs, t, item, way, velocity, *rest):
+        return [2e4 * (way[0] - mbs.variables["offset"]) + 100.0 * velocity[0], 0.0, 0.0]
+
+    spring = {"stiffness": [2e4, 0, 0], "damping": [100.0, 0, 0]} if sets_offset else {}
+    spring |= {} if sets_offset else {"springForceUserFunction": force}
+    leader = mbs.AddObject(CartesianSpringDamper(markerNumbers=[ground, end], **spring))
+
+    def lead(mbs, t):
+        mbs.variables["offset"] = 0.4 * t**3
+        if sets_offset:
+            mbs.SetObjectParameter(leader, "offset", [0.4 * t**3, 0, 0])
+        return True
+
+    mbs.SetPreStepUserFunction(lead)
+    mbs.Assemble()
+    return mbs
+
+
+@pytest.mark.parametrize("sets_offset", [True, False])
+def test_earlier_states_are_not_judged_by_what_acts_at_the_end(sets_offset):
+    """A warning would fail."""
+    SolveExplicit(led_rope(sets_offset), quiet_settings(1.0, 200))

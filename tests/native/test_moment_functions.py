@@ -64,16 +64,15 @@ def of_section(mbs, t, element, x, kappa, kappa_t, kappa_0, stiffness, damping, 
     return stiffness * atan(kappa - kappa_0) + damping * kappa_t
 
 
-def test_a_template_with_functions_moves_as_a_native_cable(new_mbs, solve):
-    """Of moments and axial forces, with damping and natural curvature."""
+def tips_by(new_mbs, solve, **functions):
+    """(2, 3) places of the tip of a cable of this package and of a native one [m]."""
     template = ObjectANCFCable2D(
         **SECTION,
         bendingDamping=20.0,
         axialStiffness=1e5,
         axialDamping=5e3,
         referenceCurvature=-0.2,
-        bendingMomentUserFunction=of_section,
-        axialForceUserFunction=softer_in_time,
+        **functions,
     )
     line = [[0, 0, 0], [LENGTH, 0, 0], 16, template, [0, -9.81, 0], [True, True, False, True]]
     ours, native = new_mbs(), new_mbs()
@@ -83,15 +82,34 @@ def test_a_template_with_functions_moves_as_a_native_cable(new_mbs, solve):
     others = GenerateBeamElementsAlongLine(native, *line)["nodes"]
     native.Assemble()
     solve_native(native, END, 2e-3)
-    tips = [
+    places = [
         mbs.GetNodeOutput(numbers[-1], exudyn.OutputVariableType.Position)
         for mbs, numbers in ((ours, nodes), (native, others))
     ]
+    return ours, places
+
+
+def test_a_template_with_functions_moves_as_a_native_cable(new_mbs, solve):
+    """Of moments and axial forces, with damping and natural curvature."""
+    functions = {"bendingMomentUserFunction": of_section, "axialForceUserFunction": softer_in_time}
+    ours, tips = tips_by(new_mbs, solve, **functions)
     np.testing.assert_allclose(*tips, atol=2e-4 * LENGTH)
     with pytest.raises(
         SceneError, match="by user functions, of which its section forces and energies know nothing"
     ):
         CableForces(ours, 0)
+
+
+@pytest.mark.parametrize("damping", [5.0, 400.0])
+def test_damping_is_that_of_the_function_not_of_the_template(new_mbs, solve, damping):
+    def damped(mbs, t, element, x, kappa, kappa_t, kappa_0, stiffness, *rest):
+        return stiffness * (kappa - kappa_0) + damping * kappa_t
+
+    def stretched(mbs, t, element, x, strain, strain_t, strain_0, stiffness, *rest):
+        return stiffness * (strain - strain_0) + 10.0 * damping * strain_t
+
+    _, tips = tips_by(new_mbs, solve, bendingMomentUserFunction=damped, axialForceUserFunction=stretched)
+    np.testing.assert_allclose(*tips, atol=2e-4 * LENGTH)
 
 
 def much_softer(mbs, t, element, x, kappa, kappa_t, kappa_0, stiffness, *rest):
