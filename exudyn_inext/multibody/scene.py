@@ -361,7 +361,7 @@ def _accelerate_parts(system, external, q, v, duration, stabilises, acceleration
 def _foresees(items, duration, stabilises):
     """Whether joints pull on the cables as they did in the step before, while contacts are reconsidered."""
     is_step = duration > 0.0 and stabilises == 0 and items.counting[MODE] != AS_PRESSED
-    return is_step and items.contacts.functions[RECONSIDERING] != 0
+    return is_step and len(items.joints.rows) > 0 and items.contacts.functions[RECONSIDERING] != 0
 
 
 @accelerates(SceneSystem)
@@ -373,7 +373,8 @@ def accelerate_scene(system, external, q, v, duration, stabilises, acceleration,
     act(items, external[len(system.cable_force) :], q, items.predicted, acceleration)
     foresees = _foresees(items, duration, stabilises)
     if foresees:
-        hold(items, q, v)
+        set_values(items.joints, items.points)
+        set_jacobian(items.joints, items.points)
         foresee_forces(items.joints, items.force)
     if stabilises:
         _count_work(items, q)
