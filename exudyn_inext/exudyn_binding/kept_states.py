@@ -54,7 +54,8 @@ class KeptStates:
     def change_forces(self, time: float) -> None:
         """What acts on the run changes at this time [s], and states that were computed beyond it are void."""
         self._changed = time
-        self._number = int(np.searchsorted(self._times[: self._number], time, "right"))
+        while self._number and self._times[self._number - 1] > time:
+            self._number -= 1
 
     def _leave_out_half(self) -> None:
         self._every *= 2

@@ -134,6 +134,7 @@ class CoupledWatch(RunWatch):
 
     is_close = False
     bears_throws = False
+    _flies = False  # whether the frame does that sees the motion
     thrown: tuple[float, float, int, float] | None = None
 
     def __init__(
@@ -201,6 +202,7 @@ class CoupledWatch(RunWatch):
     def open(self, t: float, state: Any) -> None:
         """Begin with a state that the integrator has just started from."""
         self.watch.flight[:] = speeds, _ = self.flight.along(state.v)
+        self._flies, self.path[FLIGHT] = bool(speeds.any()), 0.0
         self._start[:] = state.q - t * speeds
         forces = self._begin_work(t, state)
         self._counts[:] = 0, FIRST_STEPS
@@ -275,7 +277,8 @@ class CoupledWatch(RunWatch):
 
     def begin_steps(self, h: float) -> None:
         """Steps of h [s] are about to be taken."""
-        self.path[FLIGHT, : len(self._start)] = h * self.watch.flight[0]
+        if self._flies:
+            self.path[FLIGHT, : len(self._start)] = h * self.watch.flight[0]
 
     def count(self, steps: int) -> None:
         """These steps have been taken."""
@@ -366,7 +369,7 @@ class CoupledWatch(RunWatch):
 
     def resume(self, h: float) -> None:
         """Go on with the memory that has been set, after steps of h [s]."""
-        self._step = h
+        self._step, self._flies = h, bool(self.watch.flight.any())
         self._calm = CALM * float(self._last[1])
 
     def _begin(self, t: float, state: Any) -> None:
@@ -428,11 +431,11 @@ class CoupledWatch(RunWatch):
 
     def _seen(self, v: Array) -> Array:
         """Velocities (n,) as the frame sees them that flies along."""
-        return v - self.watch.flight[0]
+        return v - self.watch.flight[0] if self._flies else v
 
     def _energy_of_flight(self, state: Any) -> float:
         """Kinetic energy that it does not see [J]."""
-        if not self.watch.flight.any():
+        if not self._flies:
             return 0.0
         energy = self._evaluated.kinetic_energy
         return energy(state.q, state.v) - energy(state.q, self._seen(state.v))

@@ -57,7 +57,6 @@ class PacedRun:
     gave_up = False
     jump: JumpError | None = None
     may_begin_again = False  # from wherever `advance` begins
-    _begins = False  # whether it may return to where `advance` began
     trouble = ""
     finding = ""
     elsewhere: Any = None
@@ -206,7 +205,7 @@ class PacedRun:
         """
         good, steps = 0, np.zeros(len(history))
         begins = self.watch.may_shorten and (self.may_begin_again or grid.begins_with(first))
-        beginning, self._begins = self.present_state() if begins else None, begins
+        beginning = self.present_state() if begins else None
         while good < len(history) and not self.gave_up:
             most = len(history) - good
             most = most if most == 1 or self.looks_ahead or self.asks_ahead else 1
@@ -323,7 +322,8 @@ class PacedRun:
     @property
     def _frees_waves(self) -> bool:
         """Whether shorter steps go on from longer ones that may hide axial vibrations."""
-        return self.watch.stretches and (not self._begins or self.control.follower is not None)
+        is_given = not self.watch.may_shorten  # others begin again
+        return bool(self.watch.stretches and (is_given or self.control.follower is not None))
 
     def reject(self, time: float, begins: bool) -> bool:
         """After steps that went wrong, in the state before them, at `time` [s]: take smaller ones.
@@ -351,7 +351,7 @@ class PacedRun:
                 return False
             self.control.shorten(2)
         self.resume(time)
-        if not begins and watch.stretches and watch.hides_energy:
+        if not begins and watch.stretches and (watch.hides_energy or watch.trouble == LACK_OF_WORK):
             self._leave_out_waves(time)
         return is_shortened
 
