@@ -294,10 +294,11 @@ class LimitedRun(PacedRun):
 
     def _drags_circles(self) -> bool:
         """Whether friction sways a circle at these steps; they are shorter then, up to a few times."""
-        is_dragged = self.control.present * self.mover.rate_of_drag > MOST_DRAG
-        if is_dragged := is_dragged and self.control.divisor < DRAGGING_PARTS * self.control.least:
+        may = self.control.divisor < DRAGGING_PARTS * self.control.least
+        if may and self.control.present * self.mover.rate_of_drag > MOST_DRAG:
             self.control.shorten(2)
-        return is_dragged
+            return True
+        return False
 
     def _outran_damping(self, time: float) -> bool:
         """See `outran_limit`: functions of springs may damp in some states alone."""
