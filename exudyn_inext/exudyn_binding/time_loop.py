@@ -76,9 +76,8 @@ class ExplicitTimeLoop:
         self._remembering_errors = _RememberingErrors(self)
         self._data = mbs.systemData
         self._is_watched = is_watched(mbs, runs)
-        self._is_steered = bool(asked_item_functions(mbs)) and any(
-            may_change_anything(function, mbs) for function in step_functions(mbs)
-        )
+        steers = any(may_change_anything(function, mbs) for function in step_functions(mbs))
+        self._is_steered = steers and bool(asked_item_functions(mbs))
         self._only_items_ask = self._is_watched and not step_functions(mbs)
         self._contacts = contacts_in_view(mbs, runs) if self._is_watched or has_sensor_functions(mbs) else []
         self._written = self._present(INITIAL)

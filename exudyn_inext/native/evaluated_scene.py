@@ -176,7 +176,7 @@ class SceneOfExudyn(EvaluatedScene):
     @property
     def ways_of_flight(self) -> Array:
         """(dim, n) see `Flight`."""
-        flies = may_fly(self.mbs) and not any(is_tied(one.cable.cable) for one in self.cables)
+        flies = not any(is_tied(one.cable.cable) for one in self.cables) and may_fly(self.mbs)
         places, dimensions = np.array([*self.places_of_nodes.values()] if flies else [(0, 0)]).T
         ways = np.zeros((dimensions.min(), self.size))
         for axis, way in enumerate(ways):

@@ -28,9 +28,9 @@ def may_fly(mbs: Any) -> bool:
     nodes = (mbs.GetNode(k)["nodeType"] for k in range(data.NumberOfNodes()))
     objects = (mbs.GetObject(k) for k in range(data.NumberOfObjects()))
     loads = (mbs.GetLoad(k) for k in range(data.NumberOfLoads()))
-    if mbs.NumberOfGeneralContacts() or step_functions(mbs) or not _NODES.issuperset(nodes):
+    if mbs.NumberOfGeneralContacts() or step_functions(mbs) or not all(_flies(mbs, one) for one in objects):
         return False
-    return all(_flies(mbs, one) for one in objects) and not any(map(_has_function, loads))
+    return _NODES.issuperset(nodes) and not any(map(_has_function, loads))
 
 
 def _flies(mbs: Any, item: dict[str, Any]) -> bool:

@@ -229,11 +229,6 @@ class CableRun(PacedRun):
         return [(slice(0, self.state.q.size), self.scene_cable.cable.reference.shape)]
 
     @property
-    def flight(self) -> Array:
-        """(n_dof,) velocities of a frame that flies along with the present state, see `Flight`."""
-        return self.watch.flight.along(self.state.v)[0]
-
-    @property
     def places_of_nodes(self) -> dict[int, tuple[int, int]]:
         """First coordinate of each node, and the dimension of space."""
         dim = self.scene_cable.cable.dimension

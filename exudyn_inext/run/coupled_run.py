@@ -417,11 +417,6 @@ class CoupledRun(LimitedRun):
         return [(dofs, cable.reference.shape) for dofs, cable in places]
 
     @property
-    def flight(self) -> Array:
-        """See `CableRun.flight`."""
-        return self.watch.flight.along(self.state.v)[0]
-
-    @property
     def places_of_nodes(self) -> dict[int, tuple[int, int]]:
         """See `CableRun.places_of_nodes`; of cables and bodies."""
         return self._scene.places_of_nodes

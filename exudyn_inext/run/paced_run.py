@@ -104,6 +104,12 @@ class PacedRun:
         """All that the next steps depend on, as it is now."""
         return KeptState(self.memory(), self.elsewhere)
 
+    @property
+    def flight(self) -> Array:
+        """(n_dof,) velocities of a frame that flies along with the present state, see `Flight`."""
+        velocities: Array = self.watch.flight.along(self.state.v)[0]
+        return velocities
+
     def places(self, time: float) -> Array:
         """(k,) where supports and joints are at `time` [s], from wherever they are counted [m, rad]."""
         raise NotImplementedError
