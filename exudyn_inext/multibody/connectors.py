@@ -178,6 +178,7 @@ def _set_spring_force(connector, one, other):
         square += distance * distance
         along += distance * (other.x[1, i] - one.x[1, i])
     length = np.sqrt(square)
+    connector.stretch[0] = length
     force = connector.stiffness[0, 0] * (length - connector.offset[0])
     force += connector.damping[0, 0] * (along / length - connector.rate_offset[0]) + connector.force[0]
     for i in range(3):

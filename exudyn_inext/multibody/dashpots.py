@@ -1,12 +1,18 @@
-"""Dampers of springs that are implicit in the accelerations, as rows among those of joints that yield.
+"""Springs and dampers that are implicit in the accelerations, as rows among those of joints that yield.
 
-Along each axis of a connector, with its damping d and the rate B v of its stretch,
+Along each axis of a connector, with its damping d, its stiffness k and the rate B v of its stretch,
 
-    (M + W B^T B) a = F - B^T (f - W B a_before),   W = (1/2 + 1/16) h d,
+    M a = F - B^T (f + W (B a - B a_before) + W_s (B a + B_t v)),   W = (1/2 + 1/16) h d,   W_s = 0.3 h^2 k,
 
-as of contact, see `implicit_contacts`: f is the force at the velocities that a_before predicts. With the
-multiplier mu = W B (a - a_before) this is a row B a - mu / W = B a_before beside those of the joints, which
-yields by its `softness` 1 / W.
+the first one as of contact, see `implicit_contacts`: f is the force at the velocities that a_before predicts.
+The second one acts on the rate of change of B v. With a quarter in place of 0.3, central differences become
+the trapezoidal rule, which is stable for all k; the rest is a margin for what else acts there. The stretch of
+steps that do not resolve the vibrations of a spring is then that of the forces on it, but for amplitudes
+of 0.22 h times the velocities that it cannot follow. Both together are a row
+
+    B a - mu / (W + W_s) = (W B a_before - W_s B_t v) / (W + W_s)
+
+beside those of the joints, which yields by its `softness` 1 / (W + W_s).
 """
 
 from typing import Any
@@ -17,27 +23,39 @@ from ..compiled import inlined
 from .circle_contacts import SHARE
 from .connectors import CARTESIAN, RUBBING, SPRING
 from .joints import NONE
+from .points import cross, dot
 from .rows import DASHPOT, ROW
 
-SMALLEST = 1e-300  # W of a damper that is explicit, which makes its row as soft as can be
+SMALLEST = 1e-300  # W of what is explicit, which makes its row as soft as can be
+STIFF = 0.3  # of h^2 k
 
 
 def rows_of_dashpots(connectors: Any) -> Any:
-    """Records of the rows, one for each axis along which a connector damps.
+    """Records of the rows, one for each axis along which a connector damps or is stiff.
 
-    Without those whose damping couples axes: they remain explicit.
+    Without those that couple axes: they remain explicit.
 
     Args:
         connectors: records.
     """
-    damping = connectors["damping"]
-    diagonal = np.diagonal(damping, axis1=1, axis2=2)
-    is_simple = np.count_nonzero(damping, axis=(1, 2)) == np.count_nonzero(diagonal, axis=1)
-    which, axes = np.nonzero((diagonal > 0.0) & is_simple[:, np.newaxis])
+    laws = np.stack([connectors["damping"], connectors["stiffness"]])
+    diagonal = np.diagonal(laws, axis1=2, axis2=3)
+    is_simple = (np.count_nonzero(laws, axis=(2, 3)) == np.count_nonzero(diagonal, axis=2)).all(axis=0)
+    which, axes = np.nonzero((diagonal > 0.0).any(axis=0) & is_simple[:, np.newaxis])
     rows = np.zeros(len(which), ROW)
     rows["kind"], rows["component"], rows["connector"] = DASHPOT, axes, which
     rows["points"], rows["functions"], rows["turning"] = connectors["points"][which], NONE, NONE
     return rows
+
+
+def freeze(connectors: Any, which: np.ndarray) -> None:
+    """Let springs pull along their axes as at the last evaluation, however long they are.
+
+    connectors: records, in place.   which: numbers of those with rows.
+    """
+    stiffness = np.diagonal(connectors["stiffness"][which], axis1=1, axis2=2)
+    connectors["force"][which] += stiffness * (connectors["stretch"][which] - connectors["offset"][which])
+    connectors["stiffness"][which] = 0.0
 
 
 @inlined
@@ -54,6 +72,29 @@ def _direction(connector, axis, one, other, k):
 
 
 @inlined
+def _turning_rate(kind, row, one, other):
+    """What the turning of its axis adds to the change of a rate."""
+    speed, along, square, turning = 0.0, 0.0, 0.0, 0.0
+    for i in range(3):
+        velocity = other.x[1, i] - one.x[1, i]
+        distance = other.x[0, i] - one.x[0, i]
+        speed, along, square = speed + velocity**2, along + velocity * distance, square + distance**2
+        turning += velocity * cross(one.spin, row.e[1], i)
+        turning += (other.spin[i] - one.spin[i]) * cross(one.spin, row.turned[1], i)
+    if kind == SPRING:
+        return (speed - along * along / square) / np.sqrt(square)
+    return 0.0 if kind == CARTESIAN or kind == RUBBING else turning
+
+
+@inlined
+def _bend(kind, row, one, other):
+    """B_t v: the change of the rate with accelerations of the coordinates zero; the row is aimed."""
+    total = dot(row.e[0], one.x[2]) + dot(row.e[1], other.x[2])
+    total += dot(row.turned[0], one.spin_rate) + dot(row.turned[1], other.spin_rate)
+    return total + _turning_rate(kind, row, one, other)
+
+
+@inlined
 def aim_dashpots(joints, connectors, points):
     """Directions and softness of all rows, after `add_connectors`."""
     for r in range(joints.holding, len(joints.rows)):
@@ -66,4 +107,18 @@ def aim_dashpots(joints, connectors, points):
                 factor = connector.factors[1] if side == 1 else -connector.factors[0]
                 row.e[side, k] = factor * direction if axis < 3 else 0.0
                 row.turned[side, k] = factor * direction if axis >= 3 else 0.0
-        row.softness = 1.0 / max(SHARE * row.lag * connector.damping[axis, axis], SMALLEST)
+        spring = STIFF * row.reach**2 * max(connector.stiffness[axis, axis], 0.0)
+        both = max(spring + SHARE * row.lag * connector.damping[axis, axis], SMALLEST)
+        row.softness, row.springiness = 1.0 / both, spring / both
+        row.bend = _bend(connector.kind, row, one, other)
+
+
+@inlined
+def added_energy(joints):
+    """Kinetic energy of what implicit springs add to the mass, at the rates of the last evaluation [J]."""
+    total = 0.0
+    for r in range(joints.holding, len(joints.rows)):
+        row = joints.rows[r]
+        if row.springiness > 0.0:
+            total += 0.5 * row.springiness / row.softness * joints.rate[r] ** 2
+    return total

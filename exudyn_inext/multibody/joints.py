@@ -104,7 +104,8 @@ class Joints(NamedTuple):
     place: (m,) of their multipliers among the unknowns, or NONE: of a knot.
     nodes: of cables with many rows.
     factor: of S.   is_row: (n,) whether an unknown is a multiplier.   diagonal: (n,) of S.
-    value, gamma, multipliers: (m,) c, see `rows.row_gamma`, nu; gamma of dashpots: J v, as predicted.
+    value, gamma, multipliers: (m,) c, see `rows.row_gamma`, nu; gamma of dashpots: J v, as predicted, with
+        accelerations zero where springs are stiff.
     foreseen: (m,) nu of the step before, by which joints pull until they are solved for.
     drift_correction: (m,) see `CoupledSystem`.
     rate, target: (m,) c_t, and memory of a solve.   unknowns, solved: (n,), (m,) memory.

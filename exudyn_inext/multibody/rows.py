@@ -48,7 +48,10 @@ ROW = record_type(
         ("d", np.float64, (3,)),  # distance at present; of ROLLING s
         ("connector", np.int64),  # of DASHPOT; dc_t/dx_t and dc_t/dw of both points are e and `turned`
         ("lag", np.float64),  # of DASHPOT, the step h [s]; 0: the damper is explicit
+        ("reach", np.float64),  # of DASHPOT, the step h [s]; 0: the spring is explicit
         ("softness", np.float64),  # of DASHPOT, see there; 0: the row does not yield
+        ("springiness", np.float64),  # of DASHPOT, the share of its spring in 1 / softness
+        ("bend", np.float64),  # of DASHPOT, c_tt with accelerations of the coordinates zero
     ]
 )
 

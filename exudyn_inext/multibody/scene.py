@@ -19,7 +19,7 @@ from ..called_system import (
 from ..compiled import called_kernel, inlined, inlined_kernel, kernel, protocol
 from ..integrators.integrator import LoadHistory, advance, external_force
 from ..lowered import COUNT, VECTOR
-from ..scene.path_work import follow
+from ..scene.path_work import compare_added, follow
 from ..system import (
     ACCELERATION_ENERGY,
     ELASTIC,
@@ -54,7 +54,7 @@ from .cables import (
 )
 from .circle_contacts import ADDING, NOW, START, add_contacts, check_friction
 from .connectors import add_connectors
-from .dashpots import aim_dashpots
+from .dashpots import added_energy, aim_dashpots
 from .implicit_contacts import RECONSIDERING, complete_contacts, press, reconsider_contacts
 from .joints import (
     Joints,
@@ -262,7 +262,11 @@ def _join_accelerations(joints, zeta, learned, v, predicted, duration, accelerat
     for r in range(joints.holding):
         joints.target[r] = joints.gamma[r] + learned * joints.drift_correction[r] - zeta * joints.rate[r]
     for r in range(joints.holding, len(joints.rows)):
-        joints.target[r] = (joints.gamma[r] - joints.rate[r]) / duration if duration > 0.0 else 0.0
+        row = joints.rows[r]
+        of_springs = joints.rate[r] - duration * row.bend
+        joints.gamma[r] += row.springiness * (of_springs - joints.gamma[r])
+        change = joints.gamma[r] - joints.rate[r]
+        joints.target[r] = change / duration if duration > 0.0 else -row.springiness * row.bend
     apply_joints(joints, acceleration, True)
     keep_multipliers(joints)
 
@@ -332,6 +336,8 @@ def _join_step(system, q, v, duration, stabilises, acceleration, rate):
     for i in range(len(q)):
         system.unjoined[i] = acceleration[i]
     _accelerate_joined(system, q, v, zeta, 1.0 - stabilises, acceleration, duration, rate)
+    if items.counting[MODE] != NOT_COUNTED:
+        compare_added(items.path, added_energy(items.joints))
     if not stabilises and items.contacts.functions[ADDING] != 0:
         _press_as_joined(system, acceleration, duration, rate)
     subtract_forces_of_dashpots(items.joints, items.force)

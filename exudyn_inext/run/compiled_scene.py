@@ -1,7 +1,7 @@
 """A scene of which all items have compiled forms: many steps in one call."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from functools import cached_property, partial
 from itertools import pairwise, starmap
 from typing import Any
@@ -18,6 +18,7 @@ from ..compiled import Prepared, kernel, placed
 from ..errors import OffCableError, RedundantConstraintError
 from ..multibody.build import copied, held_coordinates, with_dashpots
 from ..multibody.cables import Cables, cables_in_a_row, provide_cables
+from ..multibody.dashpots import freeze, rows_of_dashpots
 from ..multibody.implicit_contacts import implicit_parameters
 from ..multibody.joints import Joints
 from ..multibody.ramps import Numbers, Ramps, begin_ramps, note_numbers, with_room
@@ -58,6 +59,7 @@ from .step_control import Piece
 
 FEW = 50  # states
 _CHANGING = "connectors", "linear_forces", "loads", "given"  # during a run
+_OF_LAWS = "damping", "stiffness", "force"  # of connectors
 
 ChangedItem = tuple[str, int, str]  # kind, number, name of the parameter
 
@@ -102,6 +104,7 @@ class CompiledScene:
         self._unscaled: SceneSystem | None = None
         self._stretching: list[Chain] = []  # cables of that one
         self._step_of_means = 0.0  # of these [s]
+        self._limit_of_springs = 0.0  # of steps in which they are explicit [s]
         self._take_steps = Prepared(take_steps)
         self._set(system)
         self._memory = np.zeros(len(system.items.force)), np.zeros(REPORTED)
@@ -182,10 +185,14 @@ class CompiledScene:
         joints.foreseen[:] = joints.multipliers
 
     def set_step(self, h: float) -> None:
-        """Prepare implicit damping of contact and dashpots for steps of h [s]; 0: it is explicit."""
+        """Prepare implicit damping of contact and dashpots for steps of h [s]; 0: it is explicit.
+
+        Springs are implicit in steps that are too long for explicit ones.
+        """
         records = self.contacts.records
         records["lag"] = h * records["implicit"]
         self._dashpots["lag"] = h
+        self._dashpots["reach"] = h if h > self._limit_of_springs else 0.0
 
     @property
     def _dashpots(self) -> Any:
@@ -198,8 +205,12 @@ class CompiledScene:
         """Whether dashpots of springs are implicit."""
         return len(self._dashpots) > 0
 
-    def damp_implicitly(self) -> bool:
-        """Let dashpots of springs be implicit from now on; whether there are any."""
+    def damp_implicitly(self, limit: float) -> bool:
+        """Let springs be implicit from now on; whether there are any.
+
+        limit: of steps in which they are explicit, but for their dashpots [s].
+        """
+        self._limit_of_springs = limit
         places = [dofs for dofs, _, _ in self._cables]
         still = held_coordinates([system for _, system, _ in self._cables])
         system = with_dashpots(self.system, self._chains, places, still)
@@ -210,17 +221,44 @@ class CompiledScene:
 
     @contextmanager
     def explicit_damping(self, damping: float = 1.0) -> Iterator[None]:
-        """Nothing of it is implicit; what is implicit otherwise counts with that share, 0 or 1."""
-        connectors, dashpots, ramps = self.system.items.connectors, self._dashpots, self.system.items.ramps
-        saved, number = (connectors["damping"].copy(), dashpots["lag"].copy()), int(ramps.number[0])
-        dashpots["lag"], ramps.number[0] = 0.0, 0
-        connectors["damping"][np.unique(dashpots["connector"])] *= damping
+        """Nothing of it is implicit; what is implicit otherwise counts with that share, 0 or 1.
+
+        Implicit springs are explicit with 1; with 0 they pull as at the last evaluation.
+        """
+        dashpots = self._dashpots
+        saved, which = dashpots.copy(), np.unique(dashpots["connector"])
+        dashpots["lag"] = dashpots["reach"] = 0.0
         try:
-            with self._explicit_contact(damping):
+            with self._weak_springs(which, damping), self._explicit_contact(damping):
                 yield
         finally:
-            connectors["damping"], dashpots["lag"] = saved
+            dashpots[:] = saved
+
+    @contextmanager
+    def _weak_springs(self, which: np.ndarray, damping: float) -> Iterator[None]:
+        """As `explicit_damping`; with 0, springs pull as at the last evaluation.   which: connectors."""
+        connectors, ramps = self.system.items.connectors, self.system.items.ramps
+        saved, number = {name: connectors[name].copy() for name in _OF_LAWS}, int(ramps.number[0])
+        ramps.number[0] = 0
+        connectors["damping"][which] *= damping
+        if damping == 0.0:
+            freeze(connectors, which)
+        try:
+            yield
+        finally:
             ramps.number[0] = number
+            for name, values in saved.items():
+                connectors[name] = values
+
+    def springs_left_out(self) -> AbstractContextManager[None]:
+        """Those that can be implicit pull as at the last evaluation, and do not damp."""
+        which = np.unique(rows_of_dashpots(self.system.items.connectors)["connector"])
+        return self._weak_springs(which, 0.0)
+
+    def stretch_springs(self, t: float, q: Array, v: Array) -> None:
+        """Evaluate the state at t [s], and leave contact in the cables' matrices as it is."""
+        with self.pressed_as_before():
+            self.accelerate(self.loads.at(t), q, v, 0.0, *np.zeros((2, len(q))))
 
     @contextmanager
     def _explicit_contact(self, damping: float) -> Iterator[None]:
@@ -482,7 +520,7 @@ class CompiledScene:
         behind(copies.contacts).records["lag"] = 0.0
         copies.ramps.number[0] = 0
         copies.joints.drift_correction[:] = 0.0
-        copies.joints.rows["lag"] = 0.0
+        copies.joints.rows["lag"] = copies.joints.rows["reach"] = 0.0
         copies.bodies["drift_correction"] = 0.0
         return self.system._replace(cables=own, items=copies)
 

@@ -29,7 +29,7 @@ from .mover import together
 from .paced_run import PacedRun
 from .redundancy import PULLED, held_straight
 from .step_control import MOST_PARTS, FrequencyFollower, Piece, StepControl, StepRule
-from .watch import ENERGY, JUMP, LACK_OF_WORK, NOT_FINITE, UNSTABLE
+from .watch import ENERGY, JUMP, LACK_OF_WORK, NOT_FINITE, SPRINGS, UNSTABLE
 
 STEPS_BETWEEN_LOOKS = 128  # at the frequency, which costs as much as some 20 evaluations
 FEWEST_BETWEEN_LOOKS, MOST_BETWEEN_LOOKS = 8, 32  # where outputs are as close as steps
@@ -136,7 +136,7 @@ class LimitedRun(PacedRun):
     def _without_implicit_forces(self, time: float) -> Iterator[None]:
         """Damping and axial forces of cables, and damping of contact and dashpots, do not bound the step."""
         damping = [run.implicit_damping_left_out() for run in self._runs]
-        with together([self.mover.implicit_damping_left_out(), *damping]):
+        with together([self.mover.implicit_damping_left_out(time), *damping]):
             if any(run.scene_cable.cable.stretches for run in self._runs):
                 memory = np.zeros((2, len(self.state.q)))
                 system, external = self._system_at(time)
@@ -149,6 +149,16 @@ class LimitedRun(PacedRun):
         """Whether dashpots of springs are implicit."""
         return self.mover.damps_implicitly
 
+    @contextmanager
+    def springs_left_out(self) -> Iterator[None]:
+        """Springs that can be implicit do not bound the step."""
+        kept = self._fastest.copy()
+        with self.mover.springs_left_out(self._time):
+            self.__dict__.pop("_rates", None)
+            yield
+        self.__dict__.pop("_rates", None)
+        self._fastest[:] = kept
+
     def damp_implicitly(self, limit: float) -> bool:
         """Let dashpots of springs bound the step no longer; whether there are any that can be implicit.
 
@@ -156,7 +166,7 @@ class LimitedRun(PacedRun):
         """
         self.__dict__.pop("_rates", None)
         self.explicit_limit = limit
-        return self.mover.damp_implicitly()
+        return self.mover.damp_implicitly(SHARE * limit)
 
     def forget_rates(self, time: float) -> None:
         """Find them again, for the configuration at `time` [s]; the run must then begin again."""
@@ -286,11 +296,20 @@ class LimitedRun(PacedRun):
         return self.control.divisor > divisor
 
     def outran_limit(self, time: float) -> bool:
-        """See `PacedRun.outran_limit`: friction takes light circles along, or functions damp."""
+        """See `PacedRun.outran_limit`: stiff springs vibrate, friction takes circles along, functions damp."""
         may = self.watch.may_shorten and not self.control.follower
+        if may and self.watch.trouble == SPRINGS:
+            return self._resolve_springs()
         if not (may and self.watch.trouble in OF_TOO_LONG_STEPS):
             return False
         return self._drags_circles() or (isinstance(self.mover, MovedByExudyn) and self._outran_damping(time))
+
+    def _resolve_springs(self) -> bool:
+        """Whether steps are shorter from now on, in which springs are explicit, as these vibrate."""
+        control, limit = self.control, SHARE * self.explicit_limit
+        parts = math.ceil(control.divisor * control.largest / limit)
+        control.divide_for_waves(min(parts, MOST_PARTS), control.tension)
+        return True
 
     def _drags_circles(self) -> bool:
         """Whether friction sways a circle at these steps; they are shorter then, up to a few times."""

@@ -18,6 +18,7 @@ from ..compiled import Prepared
 from ..integrators.integrator import Integrator
 from ..integrators.linear_stability import frequency_limit
 from ..scene.path_work import (
+    ADDED,
     FLIGHT,
     FLOOR,
     LACK,
@@ -41,6 +42,7 @@ from .watch import (
     NOT_FINITE,
     NOW,
     SMALL,
+    SPRINGS,
     THROWN_OFF,
     TURNED,
     UNSTABLE,
@@ -293,6 +295,8 @@ class CoupledWatch(RunWatch):
             self._set_step(h)
         if self._lacks[LACK] > self._energy_tolerance:
             return self._condemn(state, LACK_OF_WORK, self._lacks[LACK])
+        if self._lacks[ADDED] > self._energy_tolerance:
+            return self._condemn(state, SPRINGS, self._lacks[ADDED])
         if self._is_due and (excess := self._excess(h, state)) > 1.0:
             return self._condemn(state, UNSTABLE, excess)
         if self._has_contact and (thrown := self._thrown(t, h, state)) and not self.bears_throws:

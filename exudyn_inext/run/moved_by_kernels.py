@@ -126,17 +126,29 @@ class MovedByKernels(Mover):
         if self._may_damp:
             self._form.set_step(h)
 
-    def implicit_damping_left_out(self) -> AbstractContextManager[None]:
-        if self._may_damp:
-            return self._form.explicit_damping(0.0)
-        return super().implicit_damping_left_out()
+    def implicit_damping_left_out(self, time: float) -> AbstractContextManager[None]:
+        if not self._may_damp:
+            return super().implicit_damping_left_out(time)
+        if self.damps_implicitly:
+            self._form.stretch_springs(time, self._state.q, self._state.v)
+        return self._form.explicit_damping(0.0)
+
+    @property
+    def has_springs(self) -> bool:  # type: ignore[override]
+        return self._may_damp and len(self.system.items.connectors) > 0
+
+    def springs_left_out(self, time: float) -> AbstractContextManager[None]:
+        if not self.has_springs:
+            return super().springs_left_out(time)
+        self._form.stretch_springs(time, self._state.q, self._state.v)
+        return self._form.springs_left_out()
 
     @property
     def damps_implicitly(self) -> bool:
         return self._form.damps_implicitly
 
-    def damp_implicitly(self) -> bool:
-        if not self._may_damp or self.damps_implicitly or not self._form.damp_implicitly():
+    def damp_implicitly(self, limit: float) -> bool:
+        if not self._may_damp or self.damps_implicitly or not self._form.damp_implicitly(limit):
             return False
         number = len(self._form.multipliers)
         self._scene.system.drift_correction = self.system.items.joints.drift_correction[:number]

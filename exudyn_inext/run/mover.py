@@ -127,8 +127,14 @@ class Mover:
         """What compiled contact remembers, and how it is in the matrices of the cables, by names."""
         return {}
 
-    def implicit_damping_left_out(self) -> AbstractContextManager[None]:
-        """Contact of cables, and dashpots of springs, without what is implicit in them."""
+    def implicit_damping_left_out(self, time: float) -> AbstractContextManager[None]:
+        """Contact of cables, and springs, without what is implicit in them in the state at `time` [s]."""
+        return nullcontext()
+
+    has_springs = False  # that can be implicit
+
+    def springs_left_out(self, time: float) -> AbstractContextManager[None]:
+        """Springs that can be implicit pull as in the state at `time` [s], and do not damp."""
         return nullcontext()
 
     @property
@@ -136,8 +142,11 @@ class Mover:
         """Whether dashpots of springs are implicit."""
         return False
 
-    def damp_implicitly(self) -> bool:
-        """Let dashpots of springs be implicit from now on; whether there are any that can be."""
+    def damp_implicitly(self, limit: float) -> bool:
+        """Let springs be implicit from now on; whether there are any that can be.
+
+        limit: of steps in which they are explicit, but for their dashpots [s].
+        """
         return False
 
     def mass_as_it_is(self) -> AbstractContextManager[None]:

@@ -14,6 +14,7 @@ from .watch import (
     FAILED,
     JUMP,
     LACK_OF_WORK,
+    SPRINGS,
     LARGEST_JUMP,
     LARGEST_VIOLATION,
     MOST_TURN,
@@ -178,6 +179,8 @@ class RunWatch:
             ENERGY: f"it has more energy than the work done on it explains, by {much:.2%} of the energy of "
             f"its motion (limit {watch.most:.2%})",
             LACK_OF_WORK: "forces change so much within a step that their work is wrong by "
+            f"{much:.2%} of the energy of its motion",
+            SPRINGS: "springs that are implicit at this step vibrate with energy that is wrong by "
             f"{much:.2%} of the energy of its motion",
             UNSTABLE: f"the largest frequency of its motion is {much:.3g} times the one up to which the step "
             "is stable",

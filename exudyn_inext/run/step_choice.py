@@ -6,8 +6,10 @@ A run that is given none takes implicit bending where that decides.
 import math
 import warnings
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import cache, partial
+from typing import Any
 
 import numpy as np
 
@@ -36,6 +38,7 @@ OF_RUBBING = 0.7  # step times the rate of contacts: a rope on a drum is then 1 
 PHASE = 0.003  # error of the motion at the end of a run [rad]
 MOST_DURATION = 100.0  # of a run, for that [s]
 SLOWED = 1.5  # times that dashpots may shorten the step and be explicit
+SLOWED_BY_SPRINGS = 2.0  # times that springs may, which are less exact when they are implicit
 MUCH = 10.0  # times that damping may shorten the step without a word
 MANY = 100.0  # times as many outputs as steps, or steps as the user asked for, without a word
 LONG, LONG_COMPILED = 1e5, 5e6  # steps of a run without a word: each one evaluated by Exudyn, or compiled
@@ -147,6 +150,8 @@ def choose_step(
     given = runs, start, duration, explicit, longest
     bounds, explicit = _bounds_and_scaling(*given)
     is_slowed = _is_slowed(bounds, explicit, taken) if damps_implicitly is None else damps_implicitly
+    if damps_implicitly is None and not is_slowed and _may_be_slowed_by_springs(runs, bounds, explicit, taken):
+        is_slowed, bounds, explicit = _slowed_by_springs(bounds, explicit, *given)
     if is_slowed and damp_implicitly(runs, bounds.bending):
         bounds, explicit = _bounds_and_scaling(*given)
     follow_frequencies(runs, bounds, explicit)
@@ -164,6 +169,36 @@ def _is_slowed(bounds: StepSizeBounds, explicit: ExplicitSettings, taken: float)
     if explicit.stepSize is None or explicit.adaptiveStep:
         return largest_step(bounds, explicit.stepSafety)[1] == "bending"
     return (taken or explicit.stepSize) > bounds.bending
+
+
+def _may_be_slowed_by_springs(
+    runs: Sequence[Run], bounds: StepSizeBounds, explicit: ExplicitSettings, taken: float
+) -> bool:
+    """Whether `_slowed_by_springs` is worth its time."""
+    if not any(isinstance(run, CoupledRun) and run.mover.has_springs for run in runs):
+        return False
+    step, decided_by = largest_step(bounds, explicit.stepSafety)
+    if explicit.stepSize is None or explicit.adaptiveStep:
+        return decided_by == "bending" and min(bounds.accuracy, bounds.contact) > SLOWED_BY_SPRINGS * step
+    return (taken or explicit.stepSize) > bounds.bending
+
+
+def _slowed_by_springs(
+    bounds: StepSizeBounds, explicit: ExplicitSettings, runs: Sequence[Run], *given: Any
+) -> tuple[bool, StepSizeBounds, ExplicitSettings]:
+    """Whether springs that can be implicit make the step much shorter; and bounds and settings with them.
+
+    bounds, explicit: with them.   runs, given: of `_bounds_and_scaling`.
+    """
+    with ExitStack() as stack:
+        for run in runs:
+            if isinstance(run, CoupledRun):
+                stack.enter_context(run.springs_left_out())
+        free, _ = _bounds_and_scaling(runs, *given)
+    longer = SLOWED_BY_SPRINGS * largest_step(bounds, explicit.stepSafety)[0]
+    if largest_step(free, explicit.stepSafety)[0] > longer:
+        return True, bounds, explicit
+    return False, *_bounds_and_scaling(runs, *given)
 
 
 def damp_implicitly(runs: Sequence[Run], limit: float) -> bool:

@@ -38,7 +38,7 @@ from ..system import ELASTIC, KINETIC, POWER, REPORTED, RESOLVED, VIOLATION, rep
 
 NOW, KEPT, FAILED = range(3)  # accounts
 ALL_IS_WELL, NOT_FINITE, CONSTRAINTS, ENERGY, JUMP, TOO_FAST = range(6)
-LACK_OF_WORK, UNSTABLE, THROWN_OFF, TURNED = range(6, 10)
+LACK_OF_WORK, UNSTABLE, THROWN_OFF, TURNED, SPRINGS = range(6, 11)
 
 STEPS_BETWEEN = 160  # inspections of a run whose energy only forces change
 STEPS_WITH_POWER = 80  # of one with damping, drag, or supports that move, at most

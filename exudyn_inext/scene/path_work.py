@@ -6,7 +6,7 @@ from ..arrays import Array
 from ..compiled import inlined, inlined_kernel, kernel
 
 POSITION, FORCE, WAY, CHANGE, SPEED, THROWN, FLIGHT, SUMS = range(8)
-WORK, SCATTER, LACK, SCALE, FLOOR, STEPS, BEGINNING = range(7)
+WORK, SCATTER, LACK, ADDED, SCALE, FLOOR, STEPS, BEGINNING = range(8)
 FASTER = 1.1  # than it came: so no contact throws a body off, closed or not, with steps that are stable
 RECENT = 0.98  # of a speed is left of it in the next step
 
@@ -17,18 +17,18 @@ def build_path(size: int) -> Array:
     (8, size or more): POSITION and FORCE at present, WAY and CHANGE of the force in the last step, the recent
     SPEED and the largest one THROWN at, see `_thrown_by`, both as ways of a step, the FLIGHT in a step of the
     frame that sees the ways, and the SUMS over all steps: WORK [J], and its SCATTER [J^2]; the largest LACK
-    of the work of a step, relative to the energy that the motion has turned over before, SCALE [J]. That is
-    none below its FLOOR [J]; the STEPS since it is some, and how many of them are the BEGINNING, see
-    `expect_energy`.
+    of the work of a step, relative to the energy that the motion has turned over before, SCALE [J], and the
+    largest energy ADDED by mass that is no one's, so, too. That is none below its FLOOR [J]; the STEPS since
+    it is some, and how many of them are the BEGINNING, see `expect_energy`.
     """
-    return np.zeros((8, max(size, 7)))
+    return np.zeros((8, max(size, 8)))
 
 
 def begin_path(path: Array, q: Array, force: Array) -> None:
     """From q (n or more,) on, with the force (n,) there."""
     size = len(force)
     path[:SUMS] = 0.0
-    path[SUMS, : LACK + 1] = 0.0
+    path[SUMS, : ADDED + 1] = 0.0
     path[POSITION, :size], path[FORCE, :size] = q[:size], force
 
 
@@ -125,8 +125,16 @@ def _compare(sums, work, lack):
     sums[SCALE] = max(sums[SCALE], abs(sums[WORK]))
 
 
+@inlined
+def compare_added(path, energy):
+    """Of mass that is no one's [J], with the energy turned over before, once the motion has begun."""
+    sums = path[SUMS]
+    if sums[STEPS] >= sums[BEGINNING] and sums[SCALE] > sums[FLOOR]:
+        sums[ADDED] = max(sums[ADDED], energy / sums[SCALE])
+
+
 def take_sums(path: Array) -> tuple[float, float]:
     """Work [J] and scatter [J^2] since the last call."""
     work, scatter = path[SUMS, WORK], path[SUMS, SCATTER]
-    path[SUMS, : LACK + 1] = 0.0
+    path[SUMS, : ADDED + 1] = 0.0
     return float(work), float(scatter)
