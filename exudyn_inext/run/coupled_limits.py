@@ -65,7 +65,7 @@ class LimitedRun(PacedRun):
     _time: float  # of the state whose rates are known [s]
     _fastest: Array  # (2, 2, n) found by searches so far, see `fastest_rates`: as it is, and in contact
     frequency_of_states = 0.0
-    explicit_limit = 0.0  # of the step, if dashpots were explicit [s]
+    explicit_limits = 0.0, 0.0  # of the step, if springs were explicit, with and without their dashpots [s]
     _depths: Array  # of contacts at the last look, see `NativeItems.depths_of_contacts`
     _outrun = ""  # what is said of a given step that became too long
     _unsolvable = ""  # what was said of joints that could not be solved for
@@ -159,14 +159,14 @@ class LimitedRun(PacedRun):
         self.__dict__.pop("_rates", None)
         self._fastest[:] = kept
 
-    def damp_implicitly(self, limit: float) -> bool:
-        """Let dashpots of springs bound the step no longer; whether there are any that can be implicit.
+    def damp_implicitly(self, limit: float, undamped: float) -> bool:
+        """Let springs and their dashpots bound the step no longer; whether any can be implicit.
 
-        limit: of the step while they are explicit [s].
+        limit, undamped: of the step while they are explicit, with and without dashpots [s].
         """
         self.__dict__.pop("_rates", None)
-        self.explicit_limit = limit
-        return self.mover.damp_implicitly(SHARE * limit)
+        self.explicit_limits = limit, undamped
+        return self.mover.damp_implicitly(SHARE * undamped)
 
     def forget_rates(self, time: float) -> None:
         """Find them again, for the configuration at `time` [s]; the run must then begin again."""
@@ -305,11 +305,14 @@ class LimitedRun(PacedRun):
         return self._drags_circles() or (isinstance(self.mover, MovedByExudyn) and self._outran_damping(time))
 
     def _resolve_springs(self) -> bool:
-        """Whether steps are shorter from now on, in which springs are explicit, as these vibrate."""
-        control, limit = self.control, SHARE * self.explicit_limit
-        parts = math.ceil(control.divisor * control.largest / limit)
-        control.divide_for_waves(min(parts, MOST_PARTS), control.tension)
+        """Steps are shorter from now on, in which springs are explicit, as these vibrate."""
+        self._shorten_to(SHARE * self.explicit_limits[1])
         return True
+
+    def _shorten_to(self, step: float) -> None:
+        """Take no longer steps than that from now on [s]."""
+        parts = math.ceil(self.control.divisor * self.control.largest / step)
+        self.control.divide_for_waves(min(parts, MOST_PARTS), self.control.tension)
 
     def _drags_circles(self) -> bool:
         """Whether friction sways a circle at these steps; they are shorter then, up to a few times."""

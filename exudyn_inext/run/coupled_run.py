@@ -18,7 +18,7 @@ from ..system import accelerate_and_project, index_reduced_rates
 from .cable_loads import CableLoads
 from .cable_run import CableRun, Start
 from .consistent_start import StartCorrection, agree
-from .coupled_limits import LimitedRun, steps_until_look
+from .coupled_limits import SHARE, LimitedRun, steps_until_look
 from .coupled_watch import LENIENCE, CoupledWatch
 from .jump import Jumps
 from .jump_ahead import JumpError
@@ -161,11 +161,14 @@ class CoupledRun(LimitedRun):
         return isinstance(self.mover, MovedByKernels)
 
     def _leave_kernels(self, why: str) -> None:
-        if self.damps_implicitly:
+        limit = self.explicit_limits[0]
+        if self.damps_implicitly and self.watch.may_shorten:
+            self._shorten_to(SHARE * limit)
+        elif self.damps_implicitly:
             raise SceneError(
-                f"{self.name}: Exudyn takes over because of {why}, and dashpots of springs, which are "
+                f"{self.name}: Exudyn takes over because of {why}, and springs and their dashpots, which are "
                 f"implicit among compiled items at steps of {self.control.present:.3g} s, would be explicit "
-                f"(limit {self.explicit_limit:.3g} s): set stepSize below that, or let these damp less."
+                f"(limit {limit:.3g} s): set stepSize below that, or let these be softer and damp less."
             )
         method = self.integrator, self.scheme
         self._scene.read_masses_again()

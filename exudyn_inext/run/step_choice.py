@@ -152,7 +152,7 @@ def choose_step(
     is_slowed = _is_slowed(bounds, explicit, taken) if damps_implicitly is None else damps_implicitly
     if damps_implicitly is None and not is_slowed and _may_be_slowed_by_springs(runs, bounds, explicit, taken):
         is_slowed, bounds, explicit = _slowed_by_springs(bounds, explicit, *given)
-    if is_slowed and damp_implicitly(runs, bounds.bending):
+    if is_slowed and damp_implicitly(runs, bounds.bending, bounds.undamped):
         bounds, explicit = _bounds_and_scaling(*given)
     follow_frequencies(runs, bounds, explicit)
     if explicit.stepSize is None:
@@ -201,12 +201,12 @@ def _slowed_by_springs(
     return False, *_bounds_and_scaling(runs, *given)
 
 
-def damp_implicitly(runs: Sequence[Run], limit: float) -> bool:
-    """Let dashpots of springs be implicit; whether any are now.
+def damp_implicitly(runs: Sequence[Run], limit: float, undamped: float) -> bool:
+    """Let springs and their dashpots be implicit; whether any are now.
 
-    limit: of the step while they are explicit [s], for messages.
+    limit, undamped: of the step while they are explicit, with and without dashpots [s].
     """
-    return any([run.damp_implicitly(limit) for run in runs if isinstance(run, CoupledRun)])
+    return any([run.damp_implicitly(limit, undamped) for run in runs if isinstance(run, CoupledRun)])
 
 
 def shorten_for_stretch(runs: Sequence[Run], choice: StepChoice) -> StepChoice:

@@ -116,7 +116,7 @@ class StepLimit:
         self._seen |= self.grown(changed)
         for run in before:
             if isinstance(run, CoupledRun) and run.damps_implicitly:
-                damp_implicitly(runs, run.explicit_limit)
+                damp_implicitly(runs, *run.explicit_limits)
         bounds = step_bounds(runs, time, self.explicit)
         follow_frequencies(runs, bounds, self.explicit)
         _pass_on_steps(before, runs)
