@@ -114,11 +114,12 @@ def aim_dashpots(joints, connectors, points):
 
 
 @inlined
-def added_energy(joints):
-    """Kinetic energy of what implicit springs add to the mass, at the rates of the last evaluation [J]."""
+def added_energy(joints, duration):
+    """Kinetic energy of what implicit springs add to the mass [J].   duration: of an evaluation [s]."""
     total = 0.0
     for r in range(joints.holding, len(joints.rows)):
         row = joints.rows[r]
         if row.springiness > 0.0:
-            total += 0.5 * row.springiness / row.softness * joints.rate[r] ** 2
+            rate = joints.gamma[r] + duration * row.softness * joints.multipliers[r]
+            total += 0.5 * row.springiness / row.softness * rate**2
     return total

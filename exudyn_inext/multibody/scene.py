@@ -337,7 +337,7 @@ def _join_step(system, q, v, duration, stabilises, acceleration, rate):
         system.unjoined[i] = acceleration[i]
     _accelerate_joined(system, q, v, zeta, 1.0 - stabilises, acceleration, duration, rate)
     if items.counting[MODE] != NOT_COUNTED:
-        compare_added(items.path, added_energy(items.joints))
+        compare_added(items.path, added_energy(items.joints, duration))
     if not stabilises and items.contacts.functions[ADDING] != 0:
         _press_as_joined(system, acceleration, duration, rate)
     subtract_forces_of_dashpots(items.joints, items.force)

@@ -296,7 +296,7 @@ class LimitedRun(PacedRun):
         return self.control.divisor > divisor
 
     def outran_limit(self, time: float) -> bool:
-        """See `PacedRun.outran_limit`: stiff springs vibrate, friction takes circles along, functions damp."""
+        """See `PacedRun.outran_limit`: springs vibrate, friction takes circles along, functions damp."""
         may = self.watch.may_shorten and not self.control.follower
         if may and self.watch.trouble == SPRINGS:
             return self._resolve_springs()

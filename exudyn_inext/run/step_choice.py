@@ -138,7 +138,7 @@ def choose_step(
         runs: not yet started.   start: time [s].   duration: of the run [s].   explicit: settings.
         taken: step that will be taken, where the bounds depend on it (mass scaling) [s]; 0: the given one.
         scaled: see `step_above_limit`.   is_told: whether a given step that is too large is told of.
-        damps_implicitly: whether dashpots of springs are implicit; None: if the step asks for it.
+        damps_implicitly: whether springs and their dashpots are implicit; None: if the step asks for it.
         longest: step that outputs allow [s]: the mass is scaled for no longer one.
 
     Raises:
@@ -149,9 +149,9 @@ def choose_step(
         explicit = replace(explicit, adaptiveStep=True)
     given = runs, start, duration, explicit, longest
     bounds, explicit = _bounds_and_scaling(*given)
-    is_slowed = _is_slowed(bounds, explicit, taken) if damps_implicitly is None else damps_implicitly
-    if damps_implicitly is None and not is_slowed and _may_be_slowed_by_springs(runs, bounds, explicit, taken):
-        is_slowed, bounds, explicit = _slowed_by_springs(bounds, explicit, *given)
+    is_slowed = bool(damps_implicitly)
+    if damps_implicitly is None:
+        is_slowed, bounds, explicit = _slowed(bounds, explicit, taken, *given)
     if is_slowed and damp_implicitly(runs, bounds.bending, bounds.undamped):
         bounds, explicit = _bounds_and_scaling(*given)
     follow_frequencies(runs, bounds, explicit)
@@ -171,32 +171,30 @@ def _is_slowed(bounds: StepSizeBounds, explicit: ExplicitSettings, taken: float)
     return (taken or explicit.stepSize) > bounds.bending
 
 
-def _may_be_slowed_by_springs(
-    runs: Sequence[Run], bounds: StepSizeBounds, explicit: ExplicitSettings, taken: float
-) -> bool:
-    """Whether `_slowed_by_springs` is worth its time."""
-    if not any(isinstance(run, CoupledRun) and run.mover.has_springs for run in runs):
-        return False
-    step, decided_by = largest_step(bounds, explicit.stepSafety)
-    if explicit.stepSize is None or explicit.adaptiveStep:
-        return decided_by == "bending" and min(bounds.accuracy, bounds.contact) > SLOWED_BY_SPRINGS * step
-    return (taken or explicit.stepSize) > bounds.bending
-
-
-def _slowed_by_springs(
-    bounds: StepSizeBounds, explicit: ExplicitSettings, runs: Sequence[Run], *given: Any
+def _slowed(
+    bounds: StepSizeBounds, explicit: ExplicitSettings, taken: float, runs: Sequence[Run], *given: Any
 ) -> tuple[bool, StepSizeBounds, ExplicitSettings]:
-    """Whether springs that can be implicit make the step much shorter; and bounds and settings with them.
+    """Whether springs or dashpots that can be implicit shorten the step much, or a given one is too long.
 
-    bounds, explicit: with them.   runs, given: of `_bounds_and_scaling`.
+    bounds, explicit: of the step; returned with what is set for it.   runs, given: see `_bounds_and_scaling`.
     """
+    if _is_slowed(bounds, explicit, taken):
+        return True, bounds, explicit
+    step, decided_by = largest_step(bounds, explicit.stepSafety)
+    others, wanted = min(bounds.accuracy, bounds.contact), SLOWED_BY_SPRINGS * step
+    may = decided_by == "bending" and others > wanted
+    if is_given := explicit.stepSize is not None and not explicit.adaptiveStep:
+        wanted = taken or explicit.stepSize or 0.0
+        may = wanted > bounds.bending
+    sprung = [run for run in runs if isinstance(run, CoupledRun) and run.mover.has_springs]
+    if not (may and sprung):
+        return False, bounds, explicit
     with ExitStack() as stack:
-        for run in runs:
-            if isinstance(run, CoupledRun):
-                stack.enter_context(run.springs_left_out())
+        for run in sprung:
+            stack.enter_context(run.springs_left_out())
         free, _ = _bounds_and_scaling(runs, *given)
-    longer = SLOWED_BY_SPRINGS * largest_step(bounds, explicit.stepSafety)[0]
-    if largest_step(free, explicit.stepSafety)[0] > longer:
+    longest = free.stability_limit if is_given else largest_step(free, explicit.stepSafety)[0]
+    if longest > wanted:
         return True, bounds, explicit
     return False, *_bounds_and_scaling(runs, *given)
 

@@ -287,20 +287,32 @@ def test_springs_may_change_between_steps(scene, solve):
     assert np.abs(found[0] - found[1]).max() < 1e-3 * np.abs(found[1]).max()
 
 
-def test_a_function_that_is_set_during_a_run_is_refused_and_the_remedy_works(scene, solve):
-    """Exudyn would have to take over from compiled items, and to damp explicitly at the steps of the run."""
+def law(mbs, t, number, stretch, rate, stiffness, damping, offset):
+    return 0.9 * stiffness * stretch + 0.9 * damping * rate
 
-    def law(mbs, t, number, stretch, rate, stiffness, damping, offset):
-        return 0.9 * stiffness * stretch + 0.9 * damping * rate
 
-    def change(mbs, t):
-        if t > 0.005:
-            mbs.SetObjectParameter(mbs.systemData.NumberOfObjects() - 1, "springForceUserFunction", law)
-        return True
+def set_law(mbs, t):
+    if t > 0.005:
+        mbs.SetObjectParameter(mbs.systemData.NumberOfObjects() - 1, "springForceUserFunction", law)
+    return True
 
+
+def test_a_function_that_is_set_during_a_run_shortens_its_steps(scene, solve):
+    """Exudyn takes over from compiled items, and damps explicitly."""
+    places, steps = [], []
+    for given in ({}, {"stepSize": 5e-6, "massScaling": 0.3}):
+        mbs = scene()
+        mbs.SetPreStepUserFunction(set_law)
+        steps.append(solve(mbs, 0.05, steps=10, **given)["stepSize"])
+        places.append(places_of(mbs))
+    assert 5e-6 < steps[0] < 1e-4
+    assert np.abs(places[0] - places[1]).max() < 0.01 * np.abs(places[1]).max()
+
+
+def test_a_given_step_that_is_too_long_then_is_refused_and_the_remedy_works(scene, solve):
     mbs, again = scene(), scene()
     for one in (mbs, again):
-        one.SetPreStepUserFunction(change)
-    with pytest.raises(SceneError, match=r"dashpots .* explicit \(limit .*e-05 s\): set stepSize below"):
-        solve(mbs, 0.01, steps=2)
+        one.SetPreStepUserFunction(set_law)
+    with pytest.raises(SceneError, match=r"dashpots, .* explicit \(limit .*e-05 s\): set stepSize below"):
+        solve(mbs, 0.01, steps=2, **GIVEN)
     solve(again, 0.01, steps=2, stepSize=5e-5)
