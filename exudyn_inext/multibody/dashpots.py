@@ -83,7 +83,7 @@ def _turning_rate(kind, row, one, other):
         turning += (other.spin[i] - one.spin[i]) * cross(one.spin, row.turned[1], i)
     if kind == SPRING:
         return (speed - along * along / square) / np.sqrt(square)
-    return 0.0 if kind == CARTESIAN or kind == RUBBING else turning
+    return 0.0 if kind in (CARTESIAN, RUBBING) else turning
 
 
 @inlined
