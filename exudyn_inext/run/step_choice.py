@@ -32,6 +32,7 @@ THETA = 0.3  # share of bending that is implicit: 1/4 leaves no margin for the t
 MOST_THETA = 0.55  # with which bending alone, h w < theta^(-1/2), keeps to the share used among bodies
 STIFF = 0.5  # share of the step of short waves, up to which tension decides, and bending keeps its bound
 OF_STATES = 0.2  # step times the frequency of first order states, as of oil under pressure
+PHASE_OF_STATES = 0.02  # error of a swing of first order states by themselves [rad]: 1 % of its range
 OF_RUBBING = 0.7  # step times the rate of contacts: a rope on a drum is then 1 % off, 7 % without damping
 PHASE = 0.003  # error of the motion at the end of a run [rad]
 MOST_DURATION = 100.0  # of a run, for that [s]
@@ -215,7 +216,10 @@ def _bounds_and_scaling(
             usual = MOST_THETA
         lightest = min(run.lightest_body for run in runs if isinstance(run, CoupledRun))
         of_bending = min(step_of_short_waves(cable, lightest) for cable in cables)
-        of_others = (step for run in runs for step in (_step_of_states(run, start), _step_of_rubbing(run)))
+        lasts = min(duration, MOST_DURATION)
+        of_others = (
+            step for run in runs for step in (_step_of_states(run, start, lasts), _step_of_rubbing(run))
+        )
         accuracy = min(accuracy, of_bending, *of_others)
     theta = _mass_scaling(cables, accuracy, explicit, usual)
     step, most = min(accuracy, longest), MOST_THETA if explicit.massScaling is None else theta
@@ -286,12 +290,23 @@ def _are_among_bodies(runs: Sequence[Run]) -> bool:
     return any(isinstance(run, CoupledRun) for run in runs)
 
 
-def _step_of_states(run: Run, start: float) -> float:
-    """Largest step that resolves oscillations of first order states with velocities [s]."""
+def _step_of_states(run: Run, start: float, duration: float) -> float:
+    """Largest step that resolves swings of first order states, with velocities and by themselves [s]."""
     if not (isinstance(run, CoupledRun) and run.has_states):
         return math.inf
     run.largest_frequency(start)
-    return OF_STATES / run.frequency_of_states if run.frequency_of_states > 0.0 else math.inf
+    swings = (_step_of_swing(w, decay, duration) for w, decay in run.swings_of_states.T)
+    with_velocities = OF_STATES / run.frequency_of_states if run.frequency_of_states > 0.0 else math.inf
+    return min(with_velocities, min(swings, default=math.inf))
+
+
+def _step_of_swing(w: float, decay: float, duration: float) -> float:
+    """Step whose error in a swing of states [rad/s, 1/s] is small, until it has decayed, or to the end [s].
+
+    States leap with rates foreseen from the last step, whose error of the phase is 5/12 w T (h w)^2.
+    """
+    lasts = 1.0 / max(decay, 1.0 / duration)
+    return min(OF_STATES, math.sqrt(12.0 / 5.0 * PHASE_OF_STATES / (w * lasts))) / w
 
 
 def _step_of_rubbing(run: Run) -> float:
