@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
+from itertools import chain, repeat
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from .accurate_step import (
 )
 from .cable_run import CableRun
 from .coupled_run import CoupledRun, Run
+from .rows_of_cables import Row, rows_of
 from .settings import ExplicitSettings
 from .step_control import StepRule
 from .watch import NO_MESH
@@ -209,13 +211,14 @@ def _bounds_and_scaling(
             for run in runs:  # steps that gain energy may become shorter, whatever their phase
                 run.watch.limit_phase(min(duration, MOST_DURATION), math.inf, NO_MESH, 0.0)
         return step_bounds(runs, start, explicit), explicit
-    accuracy = min(_accuracy(run, start) for run in runs)
+    rows = [rows_of([cable.scene_cable for cable in run.cable_runs]) for run in runs]
+    accuracy = min(map(_accuracy, runs, rows, repeat(start)))
     usual = THETA
     if _are_among_bodies(runs):
-        if accuracy > STIFF * min(map(step_of_shortest_element, cables)):
+        if accuracy > STIFF * min(map(step_of_shortest_element, chain(*rows))):
             usual = MOST_THETA
         lightest = min(run.lightest_body for run in runs if isinstance(run, CoupledRun))
-        of_bending = min(step_of_short_waves(cable, lightest) for cable in cables)
+        of_bending = min(map(step_of_short_waves, cables, chain(*rows), repeat(lightest)))
         lasts = min(duration, MOST_DURATION)
         of_others = (
             step for run in runs for step in (_step_of_states(run, start, lasts), _step_of_rubbing(run))
@@ -269,13 +272,13 @@ def _scaled_bounds(
     return replace(bounds, undamped=max(undamped, bounds.undamped)), theta
 
 
-def _accuracy(run: Run, start: float) -> float:
-    """Largest step that resolves the motion of the cables of a run [s]."""
+def _accuracy(run: Run, rows: Sequence[Row], start: float) -> float:
+    """Largest step that resolves the motion of the cables of a run, in their rows [s]."""
     among_bodies = isinstance(run, CoupledRun)
     acceleration = cache(partial(_largest_acceleration, run, start)) if among_bodies else None
     given, flight = (acceleration, cache(run.may_touch) if isinstance(run, CoupledRun) else None), run.flight
-    cables = zip(run.cable_runs, run.places_of_cables, strict=True)
-    steps = (accurate_step(cable, start, flight[dofs], *given) for cable, (dofs, _) in cables)
+    cables = zip(run.cable_runs, rows, run.places_of_cables, strict=True)
+    steps = (accurate_step(cable, row, start, flight[dofs], *given) for cable, row, (dofs, _) in cables)
     return min(steps, default=math.inf)
 
 
