@@ -7,9 +7,9 @@ that is the slowest one in the `Flight` of all; among bodies, that of bending is
 rests in an equilibrium. The first vibration of the bent cable is resolved in any case, and among bodies all
 bending waves that the mesh resolves, or of cables that are lighter than each body, longer ones. Of elements
 whose lengths differ, a wave needs as many of its size as it spans: single short ones among others resolve
-nothing that the others do not. How fast the motion really is, the watch finds out, see `watch`: then the
-step becomes shorter, down to one whose error in bending waves is that of the mesh, and where cables stretch,
-one in which axial waves pass a share of an element.
+nothing that the others do not, nor do short cables in a row with others. How fast the motion really is, the
+watch finds out, see `watch`: then the step becomes shorter, down to one whose error in bending waves is that
+of the mesh, and where cables stretch, one in which axial waves pass a share of an element.
 """
 
 import math

@@ -30,7 +30,7 @@ def rows_of(cables: Sequence[CableInScene]) -> list[Row]:
     """The row of each cable of a scene."""
     following = _following(cables)
     found: dict[int, Row] = {}
-    begins = [k for k in range(len(cables)) if k not in following.values()]
+    begins = set(range(len(cables))) - set(following.values())
     for k in (*begins, *range(len(cables))):  # rings begin anywhere
         row: list[int] = []
         while k not in found and k not in row:
