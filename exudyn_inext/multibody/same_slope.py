@@ -2,17 +2,37 @@
 
     c = n . (r x s),  n = 2 b x e / E,  e = d + s,  E = e . e
 
-is the component of the second slope r along b, a unit vector across the initial slope d, as the smallest
-rotation from d to the first slope s turns it. c = 0 for parallel slopes of any length.
+is the component of the second slope r along b, a unit vector across the direction d, as the smallest rotation
+from d to the first slope s turns it. c = 0 for parallel slopes of any length. There is no such rotation where
+s = -d: `same_slopes` keeps d away from where cables come to rest. In the plane nothing needs to turn: there
+d = 0, and n = b is the normal.
 """
 
+import numpy as np
+
+from ..arrays import Array
 from ..compiled import inlined, inlined_kernel
 from .points import cross, cross_product, dot
+
+ASIDE = np.array([0.31, -0.47, 0.23])  # of the initial slope is d, so that -d lies in no plane of axes
+
+
+def same_slopes(slope: Array) -> tuple[Array, Array]:
+    """d (3,) and b_k (k, 3) of slopes that are the same.   slope: (2,) or (3,) of both at the start."""
+    if len(slope) == 2:
+        return np.zeros(3), np.array([[0.0, 0.0, 1.0]])
+    direction = slope / np.linalg.norm(slope) + ASIDE
+    direction /= np.linalg.norm(direction)
+    first = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
+    first /= np.linalg.norm(first)
+    return direction, np.stack([first, np.cross(direction, first)])
 
 
 @inlined
 def _normal(b, d, s):
-    """n, e and E."""
+    """n, e and E, which is infinite where n is constant."""
+    if d[0] == 0.0 and d[1] == 0.0 and d[2] == 0.0:
+        return (b[0], b[1], b[2]), (0.0, 0.0, 0.0), np.inf
     e = (d[0] + s[0], d[1] + s[1], d[2] + s[2])
     square, n = dot(e, e), cross_product(b, e)
     return (2.0 * n[0] / square, 2.0 * n[1] / square, 2.0 * n[2] / square), e, square

@@ -7,9 +7,9 @@ that is the slowest one in the `Flight` of all; among bodies, that of bending is
 rests in an equilibrium. The first vibration of the bent cable is resolved in any case, and among bodies all
 bending waves that the mesh resolves, or of cables that are lighter than each body, longer ones. Of elements
 whose lengths differ, a wave needs as many of its size as it spans: single short ones among others resolve
-nothing that the others do not. How fast the motion really is, the watch finds out, see `watch`: then the
-step becomes shorter, down to one whose error in bending waves is that of the mesh, and where cables stretch,
-one in which axial waves pass a share of an element.
+nothing that the others do not, nor do short cables in a row with others. How fast the motion really is, the
+watch finds out, see `watch`: then the step becomes shorter, down to one whose error in bending waves is that
+of the mesh, and where cables stretch, one in which axial waves pass a share of an element.
 """
 
 import math
@@ -25,6 +25,7 @@ from ..cable.cable import Cable
 from ..system import ELASTIC, REPORTED, report_energy
 from .cable_run import CableRun
 from .coupled_run import Run
+from .rows_of_cables import Row
 from .watch import SMALL
 
 STEPS_BY_ELEMENT = 20.0  # while a wave passes it
@@ -38,6 +39,7 @@ FIRST_VIBRATION = 0.085  # step over L^2 sqrt(rho_A / EI): 0.3 / 3.52, h w of a 
 
 def accurate_step(
     run: CableRun,
+    row: Row,
     time: float,
     flight: Array,
     acceleration: Callable[[], float] | None,
@@ -45,44 +47,36 @@ def accurate_step(
 ) -> float:
     """Largest step that resolves the motion of a cable in time as well as its mesh does in space [s].
 
+    row: that the cable is part of.
     flight: (n_dof,) velocities of a frame that flies along with all that moves, see `Flight`.
     acceleration: among bodies, the largest one of nodes at the start [m/s^2], asked where it matters.
     may_touch: whether there is anything that the cable may hit; None: there is not.
     """
-    cable = run.scene_cable.cable
     with np.errstate(over="ignore"):
         speed = _wave_speed(run, time, flight, acceleration, may_touch)
-    of_waves = _resolved_length(cable) / (STEPS_BY_ELEMENT * speed) if speed > 0.0 else math.inf
-    section = cable.section
-    bends = math.sqrt(section.mass_per_length / section.bending_stiffness) * cable.length**2
+    of_waves = _resolved(row.lengths, row.own) / (STEPS_BY_ELEMENT * speed) if speed > 0.0 else math.inf
+    bends = float(np.sqrt(row.times).sum()) ** 2
     of_drag = BY_DRAG / run.drag_rate if run.drag_rate > 0.0 else math.inf
     return min(of_waves, FIRST_VIBRATION * bends, of_drag)
 
 
-def step_of_short_waves(run: CableRun, lightest: float) -> float:
+def step_of_short_waves(run: CableRun, row: Row, lightest: float) -> float:
     """Largest step that resolves the bending waves that the mesh of a cable resolves [s].
 
     Among bodies, joints and torques make such waves, of a size that nobody knows before the run. Their energy
     is at most some share of that of the motion which a light cable has of its mass: then waves count whose
     frequency is lower by the square root of that share.
 
-    lightest: body [kg].
+    row: that the cable is part of.   lightest: body [kg].
     """
     cable = run.scene_cable.cable
     longer = max(1.0, math.sqrt(lightest / (cable.section.mass_per_length * cable.length)))
-    return longer * _step_of_waves(cable, _resolved_length(cable))
+    return longer * SHORT_WAVE * _resolved(row.times, row.own)
 
 
-def step_of_shortest_element(run: CableRun) -> float:
-    """As `step_of_short_waves`, if all elements of the cable were as short as its shortest one [s]."""
-    cable = run.scene_cable.cable
-    return _step_of_waves(cable, float(cable.element_lengths.min()))
-
-
-def _step_of_waves(cable: Cable, length: float) -> float:
-    """Step that resolves bending waves of 2 pi elements of that length [m, s]."""
-    section = cable.section
-    return SHORT_WAVE * length**2 * math.sqrt(section.mass_per_length / section.bending_stiffness)
+def step_of_shortest_element(row: Row) -> float:
+    """As `step_of_short_waves`, if all elements were as short as the shortest one [s]."""
+    return SHORT_WAVE * float(row.times.min())
 
 
 def resolution_of_mesh(run: Run, time: float, theta: float) -> Array:
@@ -99,8 +93,10 @@ def resolution_of_mesh(run: Run, time: float, theta: float) -> Array:
     cable = run.scene_cable.cable
     section = cable.section
     stiffness = section.bending_stiffness / section.mass_per_length
+    lengths = cable.element_lengths
     with np.errstate(over="ignore"):
-        return np.array([_wave_speed(run, time, run.flight) ** 2, stiffness, _resolved_length(cable), theta])
+        squared = _wave_speed(run, time, run.flight) ** 2
+        return np.array([squared, stiffness, _resolved(lengths, slice(0, len(lengths))), theta])
 
 
 def small_error(run: Run) -> float:
@@ -119,11 +115,13 @@ def step_of_axial_waves(cable: Cable) -> float:
     return passing / STEPS_BY_AXIAL_WAVE
 
 
-def _resolved_length(cable: Cable) -> float:
-    """Length of the elements that resolve the shortest waves: of the longest one that these span [m]."""
-    lengths = cable.element_lengths
-    longest = sliding_window_view(lengths, min(SPANNED, lengths.size)).max(axis=1)
-    return float(longest.min())
+def _resolved(sizes: Array, own: slice) -> float:
+    """Of the elements that resolve the shortest waves, the largest one that these span.
+
+    sizes: (m,) of elements in a row.   own: place of a cable's, which the waves reach.
+    """
+    reached = sizes[max(own.start - SPANNED + 1, 0) : own.stop + SPANNED - 1]
+    return float(sliding_window_view(reached, min(SPANNED, reached.size)).max(axis=1).min())
 
 
 def _wave_speed(

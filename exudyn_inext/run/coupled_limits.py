@@ -18,6 +18,7 @@ from ..scene.small_vibrations import (
     decay_of_states,
     fastest_rates,
     frequency_of_states,
+    swings_of_states,
 )
 from ..system import accelerate_and_project
 from .cable_run import CableRun
@@ -53,7 +54,8 @@ class LimitedRun(PacedRun):
     """See `CoupledRun`.
 
     mover: who takes the steps.   why_not: why Exudyn does; empty if it does not.
-    frequency_of_states: of first order [rad/s], when the limit was looked at last.
+    frequency_of_states, swings_of_states: of first order, when the limit was looked at last: by velocities
+        [rad/s], and by themselves, (2, n) [rad/s, 1/s].
     """
 
     mover: MovedByKernels | MovedByExudyn
@@ -66,6 +68,7 @@ class LimitedRun(PacedRun):
     _fastest: Array  # (2, 2, n) found by searches so far, see `fastest_rates`: as it is, and in contact
     frequency_of_states = 0.0
     explicit_limits = 0.0, 0.0  # of the step, if springs were explicit, with and without their dashpots [s]
+    swings_of_states = np.zeros((2, 0))
     _depths: Array  # of contacts at the last look, see `NativeItems.depths_of_contacts`
     _outrun = ""  # what is said of a given step that became too long
     _unsolvable = ""  # what was said of joints that could not be solved for
@@ -125,7 +128,9 @@ class LimitedRun(PacedRun):
             scene = *self._system_at(time), self.state.q, self.state.v
             states = self._scene.system.states
             rates = fastest_rates(*scene, self._fastest[0], states=states, in_motion=in_motion)
-            self.frequency_of_states = frequency_of_states(*scene, states) if self.has_states else 0.0
+            if self.has_states:
+                self.frequency_of_states = frequency_of_states(*scene, states)
+                self.swings_of_states = swings_of_states(*scene, states)
             return rates._replace(frequency=math.hypot(rates.frequency, self.frequency_of_states))
 
     def _system_at(self, time: float) -> tuple[Any, Array]:

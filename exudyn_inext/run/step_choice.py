@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import cache, partial
+from itertools import chain, repeat
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from .accurate_step import (
 )
 from .cable_run import CableRun
 from .coupled_run import CoupledRun, Run
+from .rows_of_cables import Row, rows_of
 from .settings import ExplicitSettings
 from .step_control import StepRule
 from .watch import NO_MESH
@@ -34,6 +36,7 @@ THETA = 0.3  # share of bending that is implicit: 1/4 leaves no margin for the t
 MOST_THETA = 0.55  # with which bending alone, h w < theta^(-1/2), keeps to the share used among bodies
 STIFF = 0.5  # share of the step of short waves, up to which tension decides, and bending keeps its bound
 OF_STATES = 0.2  # step times the frequency of first order states, as of oil under pressure
+PHASE_OF_STATES = 0.02  # error of a swing of first order states by themselves [rad]: 1 % of its range
 OF_RUBBING = 0.7  # step times the rate of contacts: a rope on a drum is then 1 % off, 7 % without damping
 PHASE = 0.003  # error of the motion at the end of a run [rad]
 MOST_DURATION = 100.0  # of a run, for that [s]
@@ -241,14 +244,18 @@ def _bounds_and_scaling(
             for run in runs:  # steps that gain energy may become shorter, whatever their phase
                 run.watch.limit_phase(min(duration, MOST_DURATION), math.inf, NO_MESH, 0.0)
         return step_bounds(runs, start, explicit), explicit
-    accuracy = min(_accuracy(run, start) for run in runs)
+    rows = [rows_of([cable.scene_cable for cable in run.cable_runs]) for run in runs]
+    accuracy = min(map(_accuracy, runs, rows, repeat(start)))
     usual = THETA
     if _are_among_bodies(runs):
-        if accuracy > STIFF * min(map(step_of_shortest_element, cables)):
+        if accuracy > STIFF * min(map(step_of_shortest_element, chain(*rows))):
             usual = MOST_THETA
         lightest = min(run.lightest_body for run in runs if isinstance(run, CoupledRun))
-        of_bending = min(step_of_short_waves(cable, lightest) for cable in cables)
-        of_others = (step for run in runs for step in (_step_of_states(run, start), _step_of_rubbing(run)))
+        of_bending = min(map(step_of_short_waves, cables, chain(*rows), repeat(lightest)))
+        lasts = min(duration, MOST_DURATION)
+        of_others = (
+            step for run in runs for step in (_step_of_states(run, start, lasts), _step_of_rubbing(run))
+        )
         accuracy = min(accuracy, of_bending, *of_others)
     theta = _mass_scaling(cables, accuracy, explicit, usual)
     step, most = min(accuracy, longest), MOST_THETA if explicit.massScaling is None else theta
@@ -298,13 +305,13 @@ def _scaled_bounds(
     return replace(bounds, undamped=max(undamped, bounds.undamped)), theta
 
 
-def _accuracy(run: Run, start: float) -> float:
-    """Largest step that resolves the motion of the cables of a run [s]."""
+def _accuracy(run: Run, rows: Sequence[Row], start: float) -> float:
+    """Largest step that resolves the motion of the cables of a run, in their rows [s]."""
     among_bodies = isinstance(run, CoupledRun)
     acceleration = cache(partial(_largest_acceleration, run, start)) if among_bodies else None
     given, flight = (acceleration, cache(run.may_touch) if isinstance(run, CoupledRun) else None), run.flight
-    cables = zip(run.cable_runs, run.places_of_cables, strict=True)
-    steps = (accurate_step(cable, start, flight[dofs], *given) for cable, (dofs, _) in cables)
+    cables = zip(run.cable_runs, rows, run.places_of_cables, strict=True)
+    steps = (accurate_step(cable, row, start, flight[dofs], *given) for cable, row, (dofs, _) in cables)
     return min(steps, default=math.inf)
 
 
@@ -319,12 +326,23 @@ def _are_among_bodies(runs: Sequence[Run]) -> bool:
     return any(isinstance(run, CoupledRun) for run in runs)
 
 
-def _step_of_states(run: Run, start: float) -> float:
-    """Largest step that resolves oscillations of first order states with velocities [s]."""
+def _step_of_states(run: Run, start: float, duration: float) -> float:
+    """Largest step that resolves swings of first order states, with velocities and by themselves [s]."""
     if not (isinstance(run, CoupledRun) and run.has_states):
         return math.inf
     run.largest_frequency(start)
-    return OF_STATES / run.frequency_of_states if run.frequency_of_states > 0.0 else math.inf
+    swings = (_step_of_swing(w, decay, duration) for w, decay in run.swings_of_states.T)
+    with_velocities = OF_STATES / run.frequency_of_states if run.frequency_of_states > 0.0 else math.inf
+    return min(with_velocities, min(swings, default=math.inf))
+
+
+def _step_of_swing(w: float, decay: float, duration: float) -> float:
+    """Step whose error in a swing of states [rad/s, 1/s] is small, until it has decayed, or to the end [s].
+
+    States leap with rates foreseen from the last step, whose error of the phase is 5/12 w T (h w)^2.
+    """
+    lasts = 1.0 / max(decay, 1.0 / duration)
+    return min(OF_STATES, math.sqrt(12.0 / 5.0 * PHASE_OF_STATES / (w * lasts))) / w
 
 
 def _step_of_rubbing(run: Run) -> float:

@@ -25,6 +25,7 @@ MOST_STEPS = 400  # of the iteration
 ROUND_OFF = 1e-12
 NO_STATES = slice(0, 0)
 OF_LARGEST_STATE = 0.01  # within which decays of first order states are looked for
+NO_SWING = 0.01  # share of an eigenvalue that its imaginary part has by round-off, at most
 OVERDAMPED = 1e3  # damping over the frequency, beyond which a motion is a decay
 
 
@@ -115,12 +116,28 @@ def decay_of_states(system: Any, external: Array, q: Array, v: Array, states: sl
     Within a hundredth of the largest state: at the pressure of its tank, flow has no rate.
     Arguments: see `frequency_of_states`.
     """
-    change, step = _by_velocities(system, external, q, v), OF_LARGEST_STATE * float(np.abs(v[states]).max())
+    step = OF_LARGEST_STATE * float(np.abs(v[states]).max())
     if not step > 0.0:
         return 0.0
-    places = range(states.start, states.stop)
-    columns = [change(np.eye(1, len(v), place)[0], step)[states] for place in places]
-    return float(-np.linalg.eigvals(columns).real.min()) if np.isfinite(columns).all() else math.nan
+    return float(-_own_rates(_by_velocities(system, external, q, v), len(v), states, step).real.min())
+
+
+def swings_of_states(system: Any, external: Array, q: Array, v: Array, states: slice) -> Array:
+    """(2, n) frequencies [rad/s] and decays [1/s] of first order states that swing by themselves.
+
+    As currents of a coil and a condenser. Arguments: see `frequency_of_states`.
+    """
+    step = max(OF_LARGEST_STATE * float(np.abs(v[states]).max()), STEP)
+    rates = _own_rates(_by_velocities(system, external, q, v), len(v), states, step)
+    swinging = rates[rates.imag > NO_SWING * np.abs(rates)]
+    return np.stack([swinging.imag, -swinging.real])
+
+
+def _own_rates(change: Callable[[Array, float], Array], size: int, states: slice, step: float) -> Array:
+    """(n,) eigenvalues of y' by y [1/s], or NaN.   change: see `_by_velocities`.   size: of all."""
+    columns = [change(np.eye(1, size, place)[0], step)[states] for place in range(states.start, states.stop)]
+    known = np.isfinite(columns).all()
+    return np.asarray(np.linalg.eigvals(columns) if known else np.full(len(columns), np.nan))
 
 
 def frequency_of_states(system: Any, external: Array, q: Array, v: Array, states: slice) -> float:

@@ -129,6 +129,38 @@ def test_a_single_short_element_does_not_shorten_the_step(rope_with_one_short_el
 
 
 @pytest.fixture
+def swing_in_pieces(new_mbs, add_sensor, solve):
+    """(length, elements and stiffness of pieces in a row, settings) -> path of the tip, and report."""
+
+    def run(*pieces, **explicit):
+        mbs, x, held = new_mbs(), 0.0, {"groundConstraintsStart": PINNED}
+        for length, elements, stiffness in pieces:
+            line = {"positionStart": [x, 0, 0], "positionEnd": [x + length, 0, 0]}
+            section = InextensibleCable(massPerLength=1, bendingStiffness=stiffness)
+            given = {"numberOfElements": elements, "beamTemplate": section, "gravity": [0, -9.81, 0]}
+            x, tip = x + length, CreateInextensibleCable(mbs, **line, **given, **held)["nodes"][-1]
+            held = {"nodeNumberStart": tip}
+        sensor = add_sensor(mbs, tip)
+        mbs.Assemble()
+        report = solve(mbs, settings=quiet_settings(0.5, 10, 0.05), **explicit)
+        return mbs.GetSensorStoredData(sensor)[:, 1:3], report
+
+    return run
+
+
+@pytest.mark.parametrize("stiffness", [10.0, 1000.0])
+def test_a_short_piece_of_a_cable_does_not_shorten_the_step(swing_in_pieces, stiffness):
+    """It took 500 and 5000 times as many, as if it vibrated by itself."""
+    pieces = (2.0, 4, 10.0), (0.02, 2, stiffness)
+    path, report = swing_in_pieces(*pieces)
+    _, even = swing_in_pieces(pieces[0], (1.0, 2, 10.0))
+    assert report["steps"] <= 2 * even["steps"]
+    given = {"stepSize": report["stepSize"] / 8, "massScaling": report["massScaling"]}
+    fine, _ = swing_in_pieces(*pieces, **given)
+    assert np.abs(path - fine).max() < 0.001 * np.ptp(fine, axis=0).max()
+
+
+@pytest.fixture
 def line(new_mbs, add_sensor, solve):
     """settings -> paths of the contact wire under a pantograph, and report."""
 

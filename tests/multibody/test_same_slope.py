@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from exudyn_inext.compiled import plain
-from exudyn_inext.multibody.same_slope import slope_difference, slope_gamma
+from exudyn_inext.multibody.same_slope import same_slopes, slope_difference, slope_gamma
 
 pytestmark = pytest.mark.kernel
 SPREAD = [0.1, 1.0, 3.0, 3.1]  # angle between the initial and the present slope
@@ -52,3 +52,17 @@ def test_gamma_is_the_second_difference_along_the_motion(angle):
     h = 1e-4
     before, at, after = (difference(b, d, one[0] + t * one[1], other[0] + t * other[1]) for t in (-h, 0, h))
     assert abs(plain(slope_gamma)(b, d, one, other) - (2 * at - before - after) / h**2) < 1e-5
+
+
+@pytest.mark.parametrize("slope", [[0.6, 0.8], [0, 0, 1.0], [1.0, 0, 0], [0.0, -0.6, 0.8]])
+def test_components_are_those_across_the_slope_also_where_it_has_turned_round(slope):
+    """As of a cable that stood upright, and hangs."""
+    dim = len(slope)
+    d, across = same_slopes(np.array(slope))
+    s, r = np.zeros(3), np.zeros(3)
+    s[:dim], r[:dim] = np.negative(slope), np.array([0.3, -0.5, 0.8])[:dim]
+    components = [difference(b, d, s, r) for b in across]
+    assert np.hypot.reduce(components) == pytest.approx(np.linalg.norm(np.cross(s, r)))
+    one, other = np.zeros((2, 3, 3))
+    one[:2], other[:2] = [s, [0.2, -0.4, 0]], [s, [0.1, 0.3, 0]]
+    assert np.isfinite([plain(slope_gamma)(b, d, one, other) for b in across]).all()

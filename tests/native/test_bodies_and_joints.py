@@ -17,10 +17,12 @@ from exudyn.itemInterface import (
     NodePointGround,
     ObjectGenericODE1,
     SensorMarker,
+    SensorNode,
     SensorObject,
     SphericalJoint,
 )
 from exudyn.utilities import InertiaCuboid
+from scipy.linalg import expm
 
 from exudyn_inext import (
     CreatePrescribedMotion,
@@ -271,6 +273,25 @@ def test_steps_follow_first_order_states_whose_decay_gets_faster(mbs, add_pendul
     mbs.Assemble()
     solve(mbs, 1.0)
     assert mbs.systemData.GetODE1Coordinates() == pytest.approx([1.0], abs=1e-3)
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.1])
+def test_steps_resolve_first_order_states_that_swing_by_themselves(mbs, add_pendulum, solve, damping):
+    """As current and charge of a coil and a condenser: 1 % of their range, until they have decayed."""
+    w, duration = 150.0, 0.3
+    add_pendulum(mbs)
+    state = {"referenceCoordinates": [0, 0], "numberOfODE1Coordinates": 2}
+    node = mbs.AddNode(NodeGenericODE1(initialCoordinates=[1, 0], **state))
+    matrix = np.array([[0, w], [-w, -2 * damping * w]])
+    mbs.AddObject(ObjectGenericODE1(nodeNumbers=[node], systemMatrix=matrix))
+    kind = exudyn.OutputVariableType.Coordinates
+    sensor = mbs.AddSensor(SensorNode(nodeNumber=node, storeInternal=True, outputVariableType=kind))
+    mbs.Assemble()
+    report = solve(mbs, settings=quiet_settings(duration, 30, 0.01))
+    t, *found = np.asarray(mbs.GetSensorStoredData(sensor))[1:].T
+    exact = [expm(matrix * time)[:, 0] for time in t]
+    assert np.abs(np.transpose(found) - exact).max() < 0.021
+    assert report["steps"] < (1.2, 0.55)[damping > 0.0] * w * duration * np.sqrt(5 / 12 * w * duration / 0.02)
 
 
 def hang_on_a_moved_point(mbs, add_cable, along, **arguments):

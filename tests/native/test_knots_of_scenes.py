@@ -6,7 +6,13 @@ from functools import partial
 import exudyn
 import numpy as np
 import pytest
-from exudyn.itemInterface import LoadForceVector, MarkerBodyPosition, MarkerNodePosition, SphericalJoint
+from exudyn.itemInterface import (
+    CartesianSpringDamper,
+    LoadForceVector,
+    MarkerBodyPosition,
+    MarkerNodePosition,
+    SphericalJoint,
+)
 from exudyn.utilities import InertiaSphere
 
 from exudyn_inext import (
@@ -188,3 +194,24 @@ def test_schemes_have_their_orders_among_knots(integrator, order):
     coarse, middle, fine = (swung(integrator, h) for h in (2e-4, 1e-4, 5e-5))
     observed = np.log2(np.abs(coarse - middle).max() / np.abs(middle - fine).max())
     assert abs(observed - order) < 0.2
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_cable_in_two_pieces_that_stood_upright_comes_to_rest_hanging(new_mbs, solve, dimension):
+    """Their slopes turn by 180 degrees: there was no rotation from the initial one to its opposite."""
+    mbs, up = new_mbs(), np.eye(3)[dimension - 1]
+    section = InextensibleCable(massPerLength=0.2, bendingStiffness=0.05, bendingDamping=0.05)
+    line = {"numberOfElements": 4, "beamTemplate": section, "gravity": -9.81 * up, "dimension": dimension}
+    pin = {"groundConstraintsStart": [True] * dimension + [False] * dimension}
+    lower = CreateInextensibleCable(mbs, [0, 0, 0], 0.5 * up, **line, **pin)["nodes"]
+    tip = CreateInextensibleCable(mbs, 0.5 * up, up, **line, nodeNumberStart=lower[-1])["nodes"][-1]
+    marker = mbs.AddMarker(MarkerNodePosition(nodeNumber=tip))
+    anchor = mbs.AddMarker(MarkerBodyPosition(bodyNumber=mbs.CreateGround()))
+    drag = [0.4] * dimension + [0.0] * (3 - dimension)
+    mbs.AddObject(CartesianSpringDamper(markerNumbers=[anchor, marker], damping=drag))
+    mbs.AddLoad(
+        LoadForceVector(markerNumber=marker, loadVectorUserFunction=lambda mbs, t, f: [0.3 * (t < 0.3), 0, 0])
+    )
+    mbs.Assemble()
+    solve(mbs, 20.0)
+    np.testing.assert_allclose(mbs.GetNodeOutput(tip, exudyn.OutputVariableType.Position), -up, atol=1e-6)

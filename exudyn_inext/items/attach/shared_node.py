@@ -13,10 +13,10 @@ from exudyn.itemInterface import MarkerNodePosition, SphericalJoint
 from ...arrays import Array
 from ...checks import require_flag
 from ...errors import InputError
-from ...multibody.same_slope import slope_difference
+from ...multibody.same_slope import same_slopes, slope_difference
 from ..arguments import node_number
 from ..cable_data import cable_of_node
-from .clamp_to_body import add_slope_constraint, directions_across
+from .clamp_to_body import add_slope_constraint
 
 TOLERANCE = 1e-6  # of places, relative to the length of the cable, of slopes [-], of velocities, relative
 
@@ -133,9 +133,7 @@ def shared_node(mbs: Any, end: str, number: int, has_slope: bool) -> SharedNode:
 
 def _add_same_slope(mbs: Any, node: int, own: int, slope: Array) -> int:
     """Constraint that keeps the slopes of two nodes the same.   slope: (dim,) of both at the start."""
-    dim, direction = len(slope), np.zeros(3)
-    direction[:dim] = slope / np.linalg.norm(slope)
-    across = directions_across(direction, np.eye(3), dim)
+    dim, (direction, across) = len(slope), same_slopes(slope)
 
     def derivatives(q: Array) -> tuple[Array, Array]:
         slopes, gradients = np.zeros((2, 3)), np.zeros((len(across), 2, 3))
