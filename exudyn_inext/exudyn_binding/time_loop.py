@@ -15,6 +15,7 @@ from ..cable.support_forces import Solved
 from ..errors import DivergenceError, SceneError
 from ..items.functions_of_time import has_sensor_functions, step_functions
 from ..items.functions_that_look import asked_item_functions, may_change_anything
+from ..items.parameters import CHECK_DIVISIONS
 from ..native.compiled_form import active_general_contacts
 from ..run.coupled_run import Run
 from ..run.divergence import divergence, listed
@@ -534,6 +535,10 @@ class ExplicitTimeLoop:
         present = self._present()
         if self._is_as_handed_out(present):
             return
+        if not all(np.isfinite(part).all() for part in present):
+            self.changes.log.refuse(
+                "coordinates or velocities were set to what is no number", CHECK_DIVISIONS
+            )
         self._withdraw()
         self._is_changed = True
         q, v, first_order = present

@@ -15,7 +15,7 @@ from .redundancy import pulled_straight
 from .run_watch import RunWatch
 from .step_control import PIECE, ROUND_OFF, Piece, StepControl
 from .time_grid import TimeGrid
-from .watch import ENERGY, LACK_OF_WORK, TOO_FAST
+from .watch import ENERGY, LACK_OF_WORK, NOT_FINITE, TOO_FAST
 
 HIDING_PARTS = 16  # of the nominal step, from which on steps that go wrong are smaller for a while only
 LEAST_REHEARSED = 4  # intervals of the loop
@@ -136,6 +136,11 @@ class PacedRun:
                 f"Likely cause: the velocity of a support jumps by {kick:.3g} m/s near t = {time:.6g} s, as "
                 "where lines are drawn between the points of a table: draw a smooth curve (scipy's "
                 "CubicSpline), or set energyTolerance = 10, which bears the work of such jumps."
+            )
+        if self.watch.trouble == NOT_FINITE and self.control.is_smallest:
+            return (
+                "Likely cause: a user function that returns no number (NaN) there: look for what it divides "
+                "by zero, and let it return finite numbers."
             )
         if self.watch.hides_energy and step > 0.0:
             return (
