@@ -212,7 +212,8 @@ class ExplicitTimeLoop:
                 with self._remembering_errors:
                     self._take_over_changes()
                     self._follow_changes()
-                self._shows_forces = self._sees_forces and self._is_output()
+                if not length_hint(self._states):
+                    self._shows_forces = self._sees_forces and self._is_output()
             plain(solver, mbs, settings)
             is_shown = self._is_ahead or self._are_shown[self._row]
             self._lacks_forces = self._sees_forces and not is_shown and self._completes
