@@ -135,6 +135,8 @@ class ExplicitSolver(_NativeSolver):
                 return bool(super().SolveSteps(mbs, simulationSettings))
         except Exception as error:
             cause = loop.cause_of(error, loop.changes.log)
+            if cause is loop.changes.log.refusal:
+                loop.error = cause
             raise cause from cause.__cause__
         finally:
             self.SetUserFunctionDiscontinuousIteration(mbs, nothing)

@@ -23,6 +23,7 @@ from ..items.functions_of_time import functions_at_rest
 from ..items.link_items import read_held_coordinate, read_moving_coordinate, read_rod
 from ..items.load_items import read_load
 from ..items.mass_points import node_of_mass_point, require_none_connected
+from ..items.parameters import require_numbers
 from ..items.replace_native import require_as_replaced
 from ..loads.nodal import NodalLoad
 from ..loads.weight import ElementWeight
@@ -139,6 +140,7 @@ def _contents(mbs: Any, read: Callable[..., Constraint | None]) -> Contents:
             contents.names[number] = data["name"]
     on_cables = {node for item in contents.items.values() for node in item.nodes}
     for number, data in enumerate(objects):
+        require_numbers(data, "Object", described(data, number))
         require_none_connected(mbs, number, data, contents.mass_points)
         if number in contents.items:
             continue
@@ -239,6 +241,7 @@ def _read_loads(
     for number in range(mbs.systemData.NumberOfLoads()):
         data = mbs.GetLoad(number)
         name = f"load {number} '{data['name']}' ({data['loadType']})"
+        require_numbers(data, "Load", name)
         if (weight := read_weight(mbs, number, data, elements)) is not None:
             weights.append(weight)
             if weight.follows_state:

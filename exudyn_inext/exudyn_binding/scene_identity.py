@@ -50,7 +50,7 @@ def scene_identity(mbs: Any, explicit: ExplicitSettings, start_time: float) -> d
     identity["mbs"] = _texts(step_functions) | _variables(mbs, [*items.values(), step_functions])
     identity |= {f"general contact {k}": _texts(_of_contact(contact)) for k, contact in enumerate(contacts)}
     if has_functions(identity):
-        identity[""]["Python"] = f"{sys.version_info[0]}.{sys.version_info[1]}"
+        identity["Python"] = {"version": f"{sys.version_info[0]}.{sys.version_info[1]}"}  # compared last
     return identity
 
 

@@ -1,5 +1,6 @@
 """The user function that Exudyn's time loop calls in place of Newton's method."""
 
+import math
 import warnings
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
@@ -15,6 +16,7 @@ from ..cable.support_forces import Solved
 from ..errors import DivergenceError, SceneError
 from ..items.functions_of_time import has_sensor_functions, step_functions
 from ..items.functions_that_look import asked_item_functions, may_change_anything
+from ..items.parameters import CHECK_DIVISIONS
 from ..native.compiled_form import active_general_contacts
 from ..run.coupled_run import Run
 from ..run.divergence import divergence, listed
@@ -97,8 +99,10 @@ class ExplicitTimeLoop:
         self._kept: list[KeptState] = []  # of the runs, before the block
         self._is_ahead = False  # the block of whom nobody but items asks, and at nothing but the motion
         self._calm = 0  # steps since something was changed
+        self._skips_unseen = False  # states of a block that nobody looks at accelerations and forces in
         self._until_output = UNSEEN  # steps until somebody looks at accelerations and forces, where items ask
         self._is_changed = False  # before the step that is computed next
+        self._are_shown = np.ones(0, bool)  # accelerations and forces, after each step of the block
         self._lacks_forces = False  # mbs, and accelerations: nobody was to look at them in its state
         self._shows_supports = self._lacks_supports = False  # where somebody looks at other forces
         is_unstretched = not (self._written[0].any() or np.any(self._data.GetAECoordinates(INITIAL)))
@@ -208,9 +212,11 @@ class ExplicitTimeLoop:
                 with self._remembering_errors:
                     self._take_over_changes()
                     self._follow_changes()
-                self._shows_forces = self._sees_forces and self._is_output()
+                if not length_hint(self._states):
+                    self._shows_forces = self._sees_forces and self._is_output()
             plain(solver, mbs, settings)
-            self._lacks_forces = self._sees_forces and not self._shows_forces and self._completes
+            is_shown = self._is_ahead or self._are_shown[self._row]
+            self._lacks_forces = self._sees_forces and not is_shown and self._completes
             return True
 
         return take_step
@@ -229,8 +235,8 @@ class ExplicitTimeLoop:
         if not (self._lacks_forces or (of_supports and self._lacks_supports)):
             return
         self._lacks_forces, self._lacks_supports = False, not self._shows_supports
-        state, reactions = self._ahead[1][-1:], np.zeros((1, self._data.AEsize()))
-        time, row = np.array([self.grid.time(self._computed)]), np.array([-1])
+        state, reactions = self._ahead[1][self._row :][:1], np.zeros((1, self._data.AEsize()))
+        time, row = np.array([self.time]), np.array([self._taken - self._computed - 1])
         for run, places in zip(self.runs, self._places, strict=True):
             history = state[:, :, places]
             run.complete(time, row, history, reactions, self._shows_supports)
@@ -256,11 +262,14 @@ class ExplicitTimeLoop:
 
         Where items ask for the state, these steps end there.
         """
-        self._until_output = UNSEEN
-        steps = self._intervals(self._computed)
-        if self.output_times is None or (steps > 1 and not self._asks_ahead):
+        self._until_output, self._skips_unseen = UNSEEN, False
+        if self.output_times is None:
             return True
+        steps = self._intervals(self._computed)
         asks_items = not all(run.looks_ahead or run.is_steady for run in self.runs)
+        if steps > 1 and not self._asks_ahead:
+            self._skips_unseen = self._completes and self.output_times.due(asks_items, False) > -math.inf
+            return True
         time, step = self.grid.time(self._computed), self.grid.substeps * self.grid.h
         nearest = (self.output_times.due(asks_items, self._completes) - time) / step + 0.5
         number = int(max(1.0, min(nearest, self.grid.loop_steps - self._computed)))
@@ -289,6 +298,11 @@ class ExplicitTimeLoop:
     def _taken(self) -> int:
         """Steps of the loop whose states have been handed out."""
         return self._computed - length_hint(self._states)
+
+    @property
+    def _row(self) -> int:
+        """Of the state that was handed out last, in its block."""
+        return self._taken - self._ahead[0] - 1
 
     def _withdraw(self) -> None:
         """Let the runs be in the state that was handed out last: something has been changed there."""
@@ -401,6 +415,7 @@ class ExplicitTimeLoop:
         states = np.zeros((intervals, 3, len(self._written[0])))
         reactions: list[Array | None] = [None] * intervals
         good, is_seen = intervals, self._shows_forces or takes_last_step
+        self._are_shown = np.full(intervals, self._shows_forces)
         begins = not self._is_watched and self.restarts.may_begin(self.grid, self._computed)
         for run, places, kept in zip(self.runs, self._places, self.kept_states, strict=True):
             is_all = len(run.indices) == states.shape[2] and isinstance(places, slice)
@@ -436,7 +451,8 @@ class ExplicitTimeLoop:
         first: step of the loop before them.   reactions: output, None in others.
         """
         times = np.array([self.grid.time(first + 1 + k) for k in range(len(history))])
-        rows = np.flatnonzero(self._are_seen(times))
+        self._are_shown = self._are_seen(times)
+        rows = np.flatnonzero(self._are_shown)
         states, multipliers = history[rows], np.zeros((len(rows), self._data.AEsize()))
         if run.complete(times[rows], rows - len(history), states, multipliers):
             for row, own in zip(rows.tolist(), multipliers, strict=True):
@@ -453,7 +469,8 @@ class ExplicitTimeLoop:
     def _are_seen(self, times: Array) -> Array:
         """(k,) whether somebody looks at accelerations and forces in these states; true for the last one."""
         result = np.full(len(times), self._shows_forces and not self._asks_ahead)
-        if result[0] and self.output_times is not None and not self._is_watched:
+        may_skip = self._skips_unseen or not self._is_watched
+        if result[0] and self.output_times is not None and may_skip:
             result = self.output_times.among(times)
         result[-1] = True
         return result
@@ -534,6 +551,10 @@ class ExplicitTimeLoop:
         present = self._present()
         if self._is_as_handed_out(present):
             return
+        if not all(np.isfinite(part).all() for part in present):
+            self.changes.log.refuse(
+                "coordinates or velocities were set to what is no number", CHECK_DIVISIONS
+            )
         self._withdraw()
         self._is_changed = True
         q, v, first_order = present

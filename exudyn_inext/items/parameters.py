@@ -1,10 +1,16 @@
 """Parameters of items, read and set by the methods of exudyn.MainSystem as Exudyn has them."""
 
+import math
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import exudyn
+import numpy as np
+
+from ..errors import SceneError
 
 KINDS = ("Load", "Object", "Marker", "Node")
+CHECK_DIVISIONS = "look for what was divided by zero"
 _GET, _SET = (
     {kind: getattr(exudyn.MainSystem, f"{what}{kind}Parameter") for kind in KINDS} for what in ("Get", "Set")
 )
@@ -76,3 +82,33 @@ def objects_at(mbs: Any, marker: int) -> list[int]:
 def set_unnoted(mbs: Any, number: int, name: str, value: Any) -> None:
     """Set a parameter of an object for the package's own use."""
     Parameter("Object", number, name).set(mbs, value)
+
+
+def require_numbers(data: Mapping[str, Any], kind: str, label: str) -> None:
+    """Raise SceneError if a parameter is no number, as what was divided by zero.
+
+    data: of the item.   kind: Load, Object, ...   label: the item, in messages.
+    """
+    for name, value in data.items():
+        if lacks_numbers(value, kind) and not name.startswith("V"):
+            raise SceneError(f"{name} of {label} = {_listed(value)}: must be finite; {CHECK_DIVISIONS}.")
+
+
+def lacks_numbers(value: Any, kind: str) -> bool:
+    """Whether it is NaN, or contains it; a load must not be infinite, as stops of a spring may.
+
+    value: a number, a list or an array of these; anything else lacks none.
+    """
+    values = _listed(value)
+    is_wrong = _is_not_finite if kind == "Load" else math.isnan
+    return any(
+        isinstance(x, float) and is_wrong(x) for x in (values if isinstance(values, list) else [values])
+    )
+
+
+def _listed(value: Any) -> Any:
+    return value.ravel().tolist() if isinstance(value, np.ndarray) else value
+
+
+def _is_not_finite(x: float) -> bool:
+    return not math.isfinite(x)

@@ -15,7 +15,7 @@ from .redundancy import pulled_straight
 from .run_watch import RunWatch
 from .step_control import PIECE, ROUND_OFF, Piece, StepControl
 from .time_grid import TimeGrid
-from .watch import ENERGY, LACK_OF_WORK, TOO_FAST
+from .watch import ENERGY, LACK_OF_WORK, NOT_FINITE, TOO_FAST
 
 HIDING_PARTS = 16  # of the nominal step, from which on steps that go wrong are smaller for a while only
 LEAST_REHEARSED = 4  # intervals of the loop
@@ -24,6 +24,10 @@ STEPS_REHEARSED = 1000  # at most, of a run that goes on portion by portion
 SHORTER = 0.9  # times the step before, from which on it sets axial vibrations free
 LONGER = 4.0  # times the step, with which accelerations are compared
 STEPS_OF_RAMP = 20.0  # in place of a jump
+NO_NUMBER = (
+    "Likely cause: a user function that returns no number (NaN) there: look for what it divides by zero, and "
+    "let it return finite numbers."
+)
 SMALLEST_PARTS = 256  # and up to which all are, where no smaller ones for a while go well
 
 
@@ -137,6 +141,9 @@ class PacedRun:
                 "where lines are drawn between the points of a table: draw a smooth curve (scipy's "
                 "CubicSpline), or set energyTolerance = 10, which bears the work of such jumps."
             )
+        is_no_number = self.watch.trouble == NOT_FINITE and self.control.is_smallest
+        if is_no_number and not self.looks_ahead:  # Exudyn evaluates, and does not look at what it gets
+            return NO_NUMBER
         if self.watch.hides_energy and step > 0.0:
             return (
                 "Likely cause: axial vibrations, which the steps did not resolve, hid energy that smaller "

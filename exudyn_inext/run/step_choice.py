@@ -490,7 +490,8 @@ def warn_of_damping(choice: StepChoice, duration: float) -> None:
             f"{bounds.bending:.3g} s, where {bounds.undamped:.3g} s hold without it: dashpots that Exudyn "
             "evaluates, or whose axes are coupled, damping of finite elements and native cables, friction in "
             "its proportional zone, drag, also by functions of loads, and under RK4 all dashpots and bending "
-            f"damping are explicit; let these damp less{other}.",
+            "damping are explicit; let these damp less, or let a step function set what user functions of "
+            f"springs change{other}.",
             stacklevel=3,
         )
 

@@ -211,6 +211,11 @@ class StepControl:
         return bool(self._log.quarters)
 
     @property
+    def is_smallest(self) -> bool:
+        """Whether steps that go wrong are as small as they may become."""
+        return bool(self._log.quarters >= QUARTERS)
+
+    @property
     def may_quarter(self) -> bool:
         """Whether steps that go wrong are taken again in smaller ones, for a while."""
         return self._rejects and bool(self._log.quarters < QUARTERS)

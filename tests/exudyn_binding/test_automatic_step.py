@@ -653,25 +653,33 @@ def test_a_damped_cantilever_moves_as_a_native_one(swing, ratio, known_answer):
 
 def test_damping_that_shortens_the_step_is_said_before_the_run(new_mbs, add_pendulum, solve):
     """A mass point on a dashpot without mercy that Exudyn evaluates: 2 m / d bounds explicit steps."""
-    mbs = new_mbs()
-    add_pendulum(mbs)
-    point = mbs.CreateMassPoint(mass=1.0, referencePosition=[3, 0, 0])
 
     def force(mbs, t, number, stretch, rate, stiffness, damping, offset):
-        return stiffness * stretch + damping * rate
+        return stiffness * (stretch - 0.2 * t) + damping * rate
 
-    mbs.CreateSpringDamper(
-        itemNumbers=[mbs.CreateGround(), point],
-        stiffness=100.0,
-        damping=2e4,
-        springForceUserFunction=force,
-    )
-    mbs.Assemble()
-    place = f"node {mbs.GetObject(point)['nodeNumber']} "
-    match = rf"damping of .*e\+04 1/s at {place}.* bounds the step .* damp less\.$"
+    def scene(**law):
+        mbs = new_mbs()
+        add_pendulum(mbs)
+        point = mbs.CreateMassPoint(mass=1.0, referencePosition=[3, 0, 0], returnDict=True)
+        ends = [mbs.CreateGround(), point["bodyNumber"]]
+        spring = mbs.CreateSpringDamper(itemNumbers=ends, stiffness=100.0, damping=2e4, **law)
+        mbs.Assemble()
+        return mbs, point["nodeNumber"], spring
+
+    mbs, node, _ = scene(springForceUserFunction=force)
+    match = rf"damping of .*e\+04 1/s at node {node} .* bounds the step .* let a step function set"
     with pytest.warns(UserWarning, match=match):
-        report = solve(mbs, 0.001)
+        report = solve(mbs, 0.1, steps=20)
     assert report["stepSize"] < 1.1e-4
+    pulled = mbs.GetNodeOutput(node, POSITION)[0] - 3.0
+
+    mbs, node, spring = scene()
+    mbs.SetPreStepUserFunction(
+        lambda mbs, t: mbs.SetObjectParameter(spring, "referenceLength", 3 + 0.2 * t) or True
+    )
+    report = solve(mbs, 0.1, steps=20)
+    assert report["stepSize"] > 1e-3
+    assert mbs.GetNodeOutput(node, POSITION)[0] - 3.0 == pytest.approx(pulled, rel=0.02)
 
 
 def test_rk4_says_what_bending_damping_does_to_its_step(swing):

@@ -100,6 +100,22 @@ def solved(end_time, settings=None, explicit=None, before=None, **options):
     return scene.state
 
 
+@pytest.mark.parametrize("begins_anew", [True, False])
+def test_a_refused_change_is_said_once(begins_anew):
+    """It was raised again by InitializeSolver, so that nothing could begin anew, and by FinalizeSolver."""
+    driven = Driven(steps=4).begin()
+    driven.step()
+    load = LoadForceVector(markerNumber=driven.tip, loadVector=[0, 1.0, 0])
+    driven.mbs.SetPreStepUserFunction(lambda mbs, t: mbs.AddLoad(load) is not None)
+    with pytest.raises(SceneError, match="AddLoad was called"):
+        driven.step()
+    driven.mbs.SetPreStepUserFunction(0)
+    if begins_anew:
+        start = driven.begin().state
+        assert not np.array_equal(driven.step(), start)
+    driven.end()
+
+
 @pytest.mark.parametrize("explicit", [{"integrator": name} for name in ("RATTLE", "Zhai", "RK4")])
 @pytest.mark.parametrize("steps", [1, 4])
 def test_portions_give_the_states_of_a_run(steps, explicit):

@@ -25,6 +25,7 @@ from exudyn_inext import (
 )
 from exudyn_inext.exudyn_binding import cable_forces
 from exudyn_inext.exudyn_binding.scene import read_scene
+from exudyn_inext.run.coupled_run import CoupledRun
 from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import SECTION, load_node
 
@@ -137,6 +138,43 @@ def test_accelerations_that_are_written_ask_a_spring_once(new_mbs, add_pendulum,
         solve(mbs, settings=quiet_settings(0.1, STEPS, 0.1 / STEPS), massScaling=0.25)
         counted.append(len(calls))
     assert counted[0] + STEPS // 2 < counted[1] < counted[0] + STEPS + 4
+
+
+@pytest.mark.parametrize("end", [1.0, 0.137], ids=["whole", "stopped"])
+def test_forces_that_no_step_function_looks_at_are_solved_for_where_they_are_written(
+    new_mbs, add_pendulum, solve, monkeypatch, end
+):
+    """States of several steps at once; the last one is complete, too, wherever a function stops the run."""
+    solved, complete = [], CoupledRun.complete
+    monkeypatch.setattr(
+        CoupledRun, "complete", lambda run, times, *rest: solved.extend(times) or complete(run, times, *rest)
+    )
+    kinds = exudyn.OutputVariableType
+
+    def shown(look):
+        mbs = new_mbs()
+        cable = add_pendulum(mbs, numberOfElements=4)
+        gravity = [0, -9.81, 0]
+        mass = mbs.CreateMassPoint(referencePosition=[1.8, 0, 0], mass=0.1, gravity=gravity, create2D=True)
+        AttachToBody(mbs, cable, "end", mass)
+        sensor = SensorNode(
+            nodeNumber=cable["nodes"][-1], outputVariableType=kinds.Acceleration, storeInternal=True
+        )
+        number = mbs.AddSensor(sensor)
+        mbs.SetPreStepUserFunction(lambda mbs, t: look(mbs) and t < end)
+        mbs.Assemble()
+        solve(mbs, settings=quiet_settings(0.4, 400, 0.023))
+        data = mbs.systemData
+        return [
+            mbs.GetSensorStoredData(number).tolist(),
+            data.GetODE2Coordinates_tt().tolist(),
+            data.GetAECoordinates().tolist(),
+        ]
+
+    every = shown(lambda mbs: mbs.GetNodeOutput(0, kinds.Acceleration) is not None)
+    number = len(solved)
+    assert shown(lambda mbs: mbs.GetNodeOutput(0, kinds.Position) is not None) == every
+    assert 4 * (len(solved) - number) < number
 
 
 def test_a_sensor_of_section_forces_shows_what_is_changed_after_a_step(mbs, add_pendulum, solve):

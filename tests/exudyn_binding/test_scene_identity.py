@@ -160,6 +160,16 @@ def test_what_changes_the_motion_is_named(build, change, message):
     assert re.search(message, difference_found), difference_found
 
 
+@pytest.mark.parametrize("before", [True, False])
+def test_a_function_that_comes_or_goes_is_named_before_the_version_of_python(mbs, add_pendulum, before):
+    add_pendulum(mbs)
+    mbs.Assemble()
+    without = identity(mbs)
+    mbs.SetPreStepUserFunction(Controller(2.0))
+    ways = [identity(mbs), without] if before else [without, identity(mbs)]
+    assert re.search("PreStepUserFunction of mbs was .*, and is .* now", found(*ways)) is not None
+
+
 def test_names_drawing_and_sensors_may_change(build):
     before = identity(build().mbs)
     other = build(names="_2")

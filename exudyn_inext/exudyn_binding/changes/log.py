@@ -18,7 +18,7 @@ import numpy as np
 
 from ...errors import InputError, SceneError
 from ...items.cable_data import find_cable_item
-from ...items.parameters import KINDS, Parameter
+from ...items.parameters import CHECK_DIVISIONS, KINDS, Parameter, lacks_numbers
 
 _CONNECTIONS = {"nodeNumber", "nodeNumbers", "bodyNumber", "objectNumber", "markerNumbers"}
 _SETTERS = {f"Set{kind}Parameter": kind for kind in KINDS}
@@ -76,12 +76,15 @@ class ChangeLog:
         And whether some of it did not before the step until `time` [s], as the next one until `end` [s].
 
         Raises:
-            SceneError: items were added, removed or modified.
+            SceneError: items were added, removed or modified, or something set to what is no number.
         """
         if self.is_outdated:
             self.refuse("other items were found than at the start", "initialise the solver again")
         if not self.mbs.systemIsConsistent:
             self.refuse("items were added, removed or modified", _REMEDY)
+        for key, value in self._set.items():
+            if lacks_numbers(value, key.kind):
+                self.refuse(f"{key} was set to {value}", CHECK_DIVISIONS)
         self.before = {key: self._known[key] for key in self._set}
         self._known |= self._set
         changed, self._set = self._set, {}

@@ -121,8 +121,10 @@ def disturb(data: Array, records: Any, connectors: Any, random: np.random.Genera
     for spring in connectors[connectors["place"] >= 0]:
         place = spring["place"]
         if spring["kind"] == RUBBING:
-            sticks = spring["sticking_stiffness"] > 0.0  # or slides; otherwise it does neither
-            data[:, place : place + DATA] = random.integers(-1, 2, DATA) * [sticks, sticks, 1.0]
+            sticks = float(spring["sticking_stiffness"] > 0.0)  # or slides; otherwise it does neither
+            below, above = np.isfinite(spring["stops"]).astype(float)  # infinite stops never act
+            least, most = [-sticks, -sticks, -below], [sticks, sticks, above]
+            data[:, place : place + DATA] = random.integers(-1, 2, DATA).clip(least, most)
         else:
             data[:, place] = random.uniform(-TURNED, TURNED)
     names = ("place", "segments", "has_friction", "radius")
