@@ -91,7 +91,11 @@ def nowhere(mbs, point):
 
 
 def no_spring(mbs, point):
-    """A stiffness that is no number."""
+    """A force that is no number."""
+    tied(mbs, point, springForceUserFunction=lambda *_: [float("nan")] * 3)
+
+
+def no_stiffness(mbs, point):
     tied(mbs, point, float("nan"))
 
 
@@ -101,6 +105,7 @@ def no_spring(mbs, point):
     [
         (nowhere, r"the user function of load 0 .* returned nan at t = 0 s"),
         (no_spring, r"largest frequency of .* nan rad/s.*check the .*no step is known"),
+        (no_stiffness, r"stiffness of object .* must be finite"),
     ],
 )
 def test_forces_that_are_not_finite_are_no_licence_for_any_step(beside_a_cable, add, said, size, fault):
@@ -109,6 +114,6 @@ def test_forces_that_are_not_finite_are_no_licence_for_any_step(beside_a_cable, 
     fault("forces that are not finite at the start", "refused, no step is known to be stable")
 
 
-def test_native_items_of_a_stiffness_that_is_not_finite_are_refused(beside_a_cable):
+def test_native_items_of_forces_that_are_not_finite_are_refused(beside_a_cable):
     with pytest.raises(SceneError, match=r"largest frequency of native items .* nan rad/s"):
         beside_a_cable(no_spring, beside=False)

@@ -165,13 +165,12 @@ def test_order_of_convergence_of_a_tumbling_body(tumbling, integrator):
     assert np.log2(ratio) == pytest.approx(INTEGRATORS[integrator].order, abs=0.35)
 
 
-def driven_point(mbs, stiffness=0.0, damping=0.0, force=None):
+def driven_point(mbs, stiffness=0.0, damping=0.0, force=None, **functions):
     """A mass point of 2 kg that moves along x, between a spring, a damper, and a force."""
     point = mbs.CreateMassPoint(mass=2.0, referencePosition=[0, 0, 0], returnDict=True)
     ground = mbs.CreateGround()
-    mbs.CreateCartesianSpringDamper(
-        itemNumbers=[ground, point["bodyNumber"]], stiffness=[stiffness] * 3, damping=[damping] * 3
-    )
+    law = {"stiffness": [stiffness] * 3, "damping": [damping] * 3}
+    mbs.CreateCartesianSpringDamper(itemNumbers=[ground, point["bodyNumber"]], **law, **functions)
     if force is not None:
         marker = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=point["nodeNumber"], coordinate=0))
         mbs.AddLoad(LoadCoordinate(markerNumber=marker, load=1.0, loadUserFunction=force))
@@ -205,10 +204,10 @@ def test_a_force_in_time_is_evaluated_where_the_scheme_needs_it(
 def oscillator(new_mbs, add_sensor, add_pendulum, solve):
     """(h, ...) -> report and motion x(t) of m = 2, k = 5e4, d = 60: w = 158 rad/s, above the cable's."""
 
-    def run(h, end_time=0.2, **explicit):
+    def run(h, end_time=0.2, functions=None, **explicit):
         mbs = new_mbs()
         add_pendulum(mbs, numberOfElements=2)
-        node = driven_point(mbs, stiffness=5e4, damping=60.0)
+        node = driven_point(mbs, stiffness=5e4, damping=60.0, **(functions or {}))
         mbs.SetNodeParameter(node, "initialCoordinates", [0.01, 0, 0])
         sensor = add_sensor(mbs, node)
         mbs.Assemble()
@@ -232,12 +231,19 @@ def test_spring_and_damper_decay_as_they_must(oscillator):
 
 
 def test_the_stability_limit_counts_spring_and_damper(oscillator):
-    """Nobody looks at the energy; otherwise such steps are rejected."""
-    limit = oscillator(1e-3, 1e-3)[0]["bounds"].stability_limit
+    """Of a spring that Exudyn evaluates. Nobody looks at the energy; otherwise such steps are rejected."""
+
+    def law(mbs, t, number, stretch, speed, stiffness, damping, offset):
+        forces = zip(stiffness, stretch, damping, speed, strict=True)
+        return [k * x + d * v for k, x, d, v in forces]
+
+    given = {"functions": {"springForceUserFunction": law}}
+    limit = oscillator(1e-3, 1e-3, **given)[0]["bounds"].stability_limit
     steps = [share * limit for share in (0.97, 1.04)]
-    below, above = (np.abs(oscillator(h, 100 * h, energyTolerance=np.inf)[1][1][-1]) for h in steps)
+    runs = (oscillator(h, 100 * h, energyTolerance=np.inf, **given) for h in steps)
+    below, above = (np.abs(path[1][-1]) for _, path in runs)
     assert below < 0.01 < 0.1 < above
-    assert oscillator(steps[1], 100 * steps[1])[0]["rejections"] > 0
+    assert oscillator(steps[1], 100 * steps[1], **given)[0]["rejections"] > 0
 
 
 @every_integrator
