@@ -310,9 +310,10 @@ class LimitedRun(PacedRun):
         return self._drags_circles() or (isinstance(self.mover, MovedByExudyn) and self._outran_damping(time))
 
     def _resolve_springs(self) -> bool:
-        """Steps are shorter from now on, in which springs are explicit, as these vibrate."""
+        """Whether steps are shorter from now on, in which springs are explicit, as these vibrate."""
+        divisor = self.control.divisor
         self._shorten_to(SHARE * self.explicit_limits[1])
-        return True
+        return self.control.divisor > divisor
 
     def _shorten_to(self, step: float) -> None:
         """Take no longer steps than that from now on [s]."""

@@ -15,7 +15,7 @@ from .redundancy import pulled_straight
 from .run_watch import RunWatch
 from .step_control import PIECE, ROUND_OFF, Piece, StepControl
 from .time_grid import TimeGrid
-from .watch import ENERGY, LACK_OF_WORK, NOT_FINITE, TOO_FAST
+from .watch import ENERGY, LACK_OF_WORK, NOT_FINITE, SPRINGS, TOO_FAST
 
 HIDING_PARTS = 16  # of the nominal step, from which on steps that go wrong are smaller for a while only
 LEAST_REHEARSED = 4  # intervals of the loop
@@ -27,6 +27,10 @@ STEPS_OF_RAMP = 20.0  # in place of a jump
 NO_NUMBER = (
     "Likely cause: a user function that returns no number (NaN) there: look for what it divides by zero, and "
     "let it return finite numbers."
+)
+VIBRATING = (
+    "Likely cause: springs that are much too stiff for what they hold, and stretched at the start or by a "
+    "blow: let them be softer, damp more, or be joints."
 )
 SMALLEST_PARTS = 256  # and up to which all are, where no smaller ones for a while go well
 
@@ -149,6 +153,8 @@ class PacedRun:
                 "Likely cause: axial vibrations, which the steps did not resolve, hid energy that smaller "
                 f"ones set free: take stepSize = {step:.2g}, which resolves them from the start."
             )
+        if self.watch.trouble == SPRINGS:
+            return VIBRATING
         if self.watch.trouble == LACK_OF_WORK:
             return (
                 "Likely cause: a force that jumps, as friction by sign(v) does: let it change over a range, "

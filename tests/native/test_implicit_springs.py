@@ -67,13 +67,14 @@ def of_coordinates(mbs, stiffness, markers, nodes, dimension):
             mbs.AddObject(CoordinateSpringDamper(markerNumbers=pair, stiffness=stiffness))
 
 
+STRETCHES = {"axialStiffness": 1e4}
 KINDS = [
     (2, at_a_point, {}),
-    (3, at_a_point, {"axialStiffness": 1e4}),
+    (3, at_a_point, STRETCHES),
     (2, at_a_distance, {}),
-    (3, at_a_distance, {}),
-    (2, in_all_directions, {"axialStiffness": 1e4}),
-    (3, in_all_directions, {}),
+    (3, at_a_distance, STRETCHES),
+    (2, in_all_directions, {}),
+    (3, in_all_directions, STRETCHES),
     (2, of_coordinates, {}),
 ]
 
