@@ -10,6 +10,7 @@ import numpy as np
 from ..errors import SceneError
 
 KINDS = ("Load", "Object", "Marker", "Node")
+_OF_NUMBERS = float, list, np.ndarray
 CHECK_DIVISIONS = "look for what was divided by zero"
 _GET, _SET = (
     {kind: getattr(exudyn.MainSystem, f"{what}{kind}Parameter") for kind in KINDS} for what in ("Get", "Set")
@@ -90,7 +91,7 @@ def require_numbers(data: Mapping[str, Any], kind: str, label: str) -> None:
     data: of the item.   kind: Load, Object, ...   label: the item, in messages.
     """
     for name, value in data.items():
-        if lacks_numbers(value, kind) and not name.startswith("V"):
+        if type(value) in _OF_NUMBERS and lacks_numbers(value, kind) and not name.startswith("V"):
             raise SceneError(f"{name} of {label} = {_listed(value)}: must be finite; {CHECK_DIVISIONS}.")
 
 
@@ -100,10 +101,8 @@ def lacks_numbers(value: Any, kind: str) -> bool:
     value: a number, a list or an array of these; anything else lacks none.
     """
     values = _listed(value)
-    is_wrong = _is_not_finite if kind == "Load" else math.isnan
-    return any(
-        isinstance(x, float) and is_wrong(x) for x in (values if isinstance(values, list) else [values])
-    )
+    floats = [x for x in (values if isinstance(values, list) else [values]) if type(x) is float]
+    return any(map(_is_not_finite if kind == "Load" else math.isnan, floats))
 
 
 def _listed(value: Any) -> Any:
