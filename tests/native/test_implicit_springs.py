@@ -197,6 +197,15 @@ def test_their_order_is_two(new_mbs, solve):
     assert errors[1] < 0.3 * errors[0]
 
 
+def test_the_pull_of_stretched_springs_bounds_the_step(new_mbs, solve):
+    """It makes what they connect vibrate across them, w^2 = k x / (L m), with the reduced mass m."""
+    mbs = new_mbs()
+    masses_on_a_spring(mbs, STIFF, stretch=1e-3)
+    report = solve(mbs, 1e-4)
+    expected = np.sqrt(STIFF * 1e-3 / (0.2 * 5e-3))
+    assert report["bounds"].largest_frequency == pytest.approx(expected, rel=1e-3)
+
+
 @pytest.mark.parametrize(("stretch", "is_quiet"), [(0.0, True), (1e-2, False)])
 def test_those_that_vibrate_are_explicit(new_mbs, add_sensor, solve, stretch, is_quiet):
     """With as much energy as the rest, as the closed form 1e-2 cos(w t), with the frequency of the scheme."""
