@@ -331,11 +331,9 @@ class LimitedRun(PacedRun):
     def _outran_damping(self, time: float) -> bool:
         """See `outran_limit`: functions of springs may damp in some states alone."""
         limit, undamped, damping = self._limits_of_motion(time)
-        share, divisor = self.control.largest / limit, self.control.divisor
-        if share <= LARGEST_SHARE or undamped <= SLOWED * limit:
+        if self.control.largest <= LARGEST_SHARE * limit or undamped <= SLOWED * limit:
             return False
-        parts = math.ceil(min(divisor * share / SHARE, MOST_PARTS))
-        self.control.divide_for_waves(parts, self.control.tension)
+        self._shorten_to(SHARE * limit)
         self._outrun = (
             f"from t = {time:.4g} s on damping of {damping:.3g} 1/s at {self.name} bounds the step to "
             f"{limit:.3g} s, where {undamped:.3g} s hold without it: forces that Exudyn evaluates, as by "

@@ -138,8 +138,6 @@ class MovedByKernels(Mover):
         return self._may_damp and len(self.system.items.connectors) > 0
 
     def springs_left_out(self, time: float) -> AbstractContextManager[None]:
-        if not self.has_springs:
-            return super().springs_left_out(time)
         self._form.stretch_springs(time, self._state.q, self._state.v)
         return self._form.springs_left_out()
 

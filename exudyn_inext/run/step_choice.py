@@ -6,7 +6,6 @@ A run that is given none takes implicit bending where that decides.
 import math
 import warnings
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import chain, repeat
@@ -26,6 +25,7 @@ from .accurate_step import (
 )
 from .cable_run import CableRun
 from .coupled_run import CoupledRun, Run
+from .mover import together
 from .rows_of_cables import Row, rows_of
 from .settings import ExplicitSettings
 from .step_control import StepRule
@@ -192,9 +192,7 @@ def _slowed(
     sprung = [run for run in runs if isinstance(run, CoupledRun) and run.mover.has_springs]
     if not (may and sprung):
         return False, bounds, explicit
-    with ExitStack() as stack:
-        for run in sprung:
-            stack.enter_context(run.springs_left_out())
+    with together([run.springs_left_out() for run in sprung]):
         free, _ = _bounds_and_scaling(runs, *given)
     longest = free.stability_limit if is_given else largest_step(free, explicit.stepSafety)[0]
     if longest > wanted:

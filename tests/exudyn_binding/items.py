@@ -34,6 +34,15 @@ def add_pendulum(mbs, **changes):
     return add_cable(mbs, **({"groundConstraintsStart": PINNED} | changes))
 
 
+def restarting_settings(path, end, period):
+    """Of a run in outputs of that period [s], which writes restart files there, and goes on from them."""
+    settings = quiet_settings(end, round(end / period))
+    restart = settings.solution.restart
+    restart.name, restart.writePeriod = str(path), period
+    restart.write = restart.continueIfAvailable = True
+    return settings
+
+
 def trajectory(mbs, sensor):
     return np.asarray(mbs.GetSensorStoredData(sensor))
 

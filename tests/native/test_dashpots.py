@@ -1,5 +1,7 @@
 """Dashpots of springs that would bound the step by far are implicit, where all items are compiled."""
 
+from functools import partial
+
 import exudyn
 import numpy as np
 import pytest
@@ -26,7 +28,7 @@ from exudyn_inext import (
     SolveEnsemble,
 )
 from reference_models.model import quiet_settings
-from tests.exudyn_binding.items import add_pendulum, either_cable, solve_native
+from tests.exudyn_binding.items import add_pendulum, either_cable, restarting_settings, solve_native
 
 SECTION, STRETCH = {"massPerLength": 0.05, "bendingStiffness": 0.02}, 1e4
 DAMPING = 30.0  # [N s/m]; by the mass of a node, 5e3 1/s
@@ -254,17 +256,11 @@ def test_a_stepper_and_an_ensemble_move_as_solve_explicit_does(scene, solve):
 
 
 def test_a_run_that_was_cut_goes_on_bit_for_bit(scene, solve, tmp_path):
-    def settings(end):
-        chosen = quiet_settings(end, round(end / 0.01))
-        restart = chosen.solution.restart
-        restart.name, restart.writePeriod = str(tmp_path / "run.restart"), 0.01
-        restart.write = restart.continueIfAvailable = True
-        return chosen
-
     whole, first, second = scene(), scene(), scene()
     solve(whole, settings=quiet_settings(0.04, 4), **GIVEN)
-    solve(first, settings=settings(0.02), **GIVEN)
-    report = solve(second, settings=settings(0.04), **GIVEN)
+    cut = partial(restarting_settings, tmp_path / "run.restart", period=0.01)
+    solve(first, settings=cut(0.02), **GIVEN)
+    report = solve(second, settings=cut(0.04), **GIVEN)
     assert report["resumedAt"] == pytest.approx(0.02)
     np.testing.assert_array_equal(places_of(second), places_of(whole))
 

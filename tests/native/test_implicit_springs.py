@@ -1,5 +1,7 @@
 """Springs that would bound the step by far are implicit, where all items are compiled."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from exudyn.itemInterface import (
@@ -27,7 +29,7 @@ from exudyn_inext import (
     StepSizeError,
 )
 from reference_models.model import quiet_settings
-from tests.exudyn_binding.items import add_pendulum
+from tests.exudyn_binding.items import add_pendulum, restarting_settings
 
 GRAVITY, END = [0, -9.81, 0], 0.2
 SECTION = {"massPerLength": 0.05, "bendingStiffness": 0.02}
@@ -242,13 +244,6 @@ def test_a_given_step_is_taken_and_zhai_refuses_it(new_mbs, solve):
 
 @pytest.mark.parametrize("stretch", [0.0, 1e-3])
 def test_a_run_that_was_cut_goes_on_bit_for_bit(new_mbs, solve, tmp_path, stretch):
-    def settings(end):
-        chosen = quiet_settings(end, round(end / 0.05))
-        restart = chosen.solution.restart
-        restart.name, restart.writePeriod = str(tmp_path / "run.restart"), 0.05
-        restart.write = restart.continueIfAvailable = True
-        return chosen
-
     def scene():
         mbs = new_mbs()
         masses_on_a_spring(mbs, 1e5, stretch=stretch)
@@ -256,6 +251,7 @@ def test_a_run_that_was_cut_goes_on_bit_for_bit(new_mbs, solve, tmp_path, stretc
 
     whole, first, second = scene(), scene(), scene()
     solve(whole, settings=quiet_settings(0.2, 4))
-    solve(first, settings=settings(0.1))
-    assert solve(second, settings=settings(0.2))["resumedAt"] == pytest.approx(0.1)
+    cut = partial(restarting_settings, tmp_path / "run.restart", period=0.05)
+    solve(first, settings=cut(0.1))
+    assert solve(second, settings=cut(0.2))["resumedAt"] == pytest.approx(0.1)
     np.testing.assert_array_equal(places_of(second), places_of(whole))
