@@ -29,6 +29,7 @@ CONNECTOR = record_type(
         ("kind", np.int64),
         ("points", np.int64, (2,)),
         ("place", np.int64),  # of what it keeps among the data of the scene, first; -1: it keeps nothing
+        ("asked", np.int64, (6,)),  # whether a function is the law along an axis, see `spring_functions`
         ("stiffness", np.float64, (6, 6)),
         ("damping", np.float64, (6, 6)),
         ("offset", np.float64, (6,)),
@@ -178,9 +179,9 @@ def _set_spring_force(connector, one, other):
         square += distance * distance
         along += distance * (other.x[1, i] - one.x[1, i])
     length = np.sqrt(square)
-    connector.stretch[0] = length
+    connector.stretch[0], connector.rate[0] = length, along / length
     force = connector.stiffness[0, 0] * (length - connector.offset[0])
-    force += connector.damping[0, 0] * (along / length - connector.rate_offset[0]) + connector.force[0]
+    force += connector.damping[0, 0] * (connector.rate[0] - connector.rate_offset[0]) + connector.force[0]
     for i in range(3):
         connector.wrench[i] = force / length * (other.x[0, i] - one.x[0, i])
 

@@ -41,7 +41,8 @@ def rows_of_dashpots(connectors: Any) -> Any:
     laws = np.stack([connectors["damping"], connectors["stiffness"]])
     diagonal = np.diagonal(laws, axis1=2, axis2=3)
     is_simple = (np.count_nonzero(laws, axis=(2, 3)) == np.count_nonzero(diagonal, axis=2)).all(axis=0)
-    which, axes = np.nonzero((diagonal > 0.0).any(axis=0) & is_simple[:, np.newaxis])
+    acts = (diagonal > 0.0).any(axis=0) & is_simple[:, np.newaxis]
+    which, axes = np.nonzero(acts | (connectors["asked"] > 0))
     rows = np.zeros(len(which), ROW)
     rows["kind"], rows["component"], rows["connector"] = DASHPOT, axes, which
     rows["points"], rows["functions"], rows["turning"] = connectors["points"][which], NONE, NONE

@@ -210,6 +210,14 @@ def settle_scene(system, q, v):
         add_contacts(items.contacts, q, v, v, 1, items.predicted)
 
 
+@kernel
+def measure_connectors(system, q, v):
+    """Stretch and rate of all springs at (q, v), (n,) each.   system: `placed`."""
+    items = system.items
+    _place(items, q, v)
+    add_connectors(items.springs, 0, items.predicted)
+
+
 @called_kernel
 def hold(items, q, v):
     """Jacobian and gamma of the joints at (q, v), after `act`, and the responses of bodies."""

@@ -13,6 +13,7 @@ from ..run.compiled_scene import CompiledScene, cables_of_scene
 from ..run.load_functions import LoadFunctions, StateFunctions
 from ..run.parts_in_one import CompiledParts
 from ..run.scene_loads import SceneLoads
+from ..run.spring_functions import SpringFunctions
 from ..scene.bodies import bodies_rates
 from .evaluated_scene import SceneOfExudyn
 from .joint_rows import JointRows
@@ -61,9 +62,9 @@ def compiled_form(
     if len(known.rows) != len(scene.system.drift_correction):
         raise UnknownItemError("equations of joints")
     chains = [system for system, _ in scene.groups]
-    of_loads = LoadFunctions(numbers.functions)
-    if not all(function.is_pure for function in numbers.functions):
-        of_loads = StateFunctions(numbers.functions, partial(_bring, scene, known.data))
+    of_loads, of_springs = LoadFunctions(numbers.functions), SpringFunctions(numbers.asked_springs)
+    if numbers.asked_springs or not all(function.is_pure for function in numbers.functions):
+        of_loads = StateFunctions(numbers.functions, partial(_bring, scene, known.data), of_springs)
     follows = has_forces and bool(step_functions(scene.mbs))
     acting = SceneLoads(loads, known.functions, numbers.moved, of_loads, follows)
     native = scene.system
@@ -77,6 +78,7 @@ def compiled_form(
         raise UnknownItemError("bodies that share coordinates")
     own = list(zip(places, scene.cable_systems, loads, strict=True))
     joints = scene.native_items.joints
+    of_springs.take(system)
     form = CompiledScene(system, chains, acting, own, joints, numbers)
     require_agreement(scene, form, t, q, v, has_forces)
     return form

@@ -1,7 +1,7 @@
 """A scene of which all items have compiled forms: many steps in one call."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import cached_property, partial
 from itertools import pairwise, starmap
 from typing import Any
@@ -59,7 +59,7 @@ from .step_control import Piece
 
 FEW = 50  # states
 _CHANGING = "connectors", "linear_forces", "loads", "given"  # during a run
-_OF_LAWS = "damping", "stiffness", "force"  # of connectors
+_OF_LAWS = "damping", "stiffness", "force", "offset", "rate_offset"  # of connectors
 
 ChangedItem = tuple[str, int, str]  # kind, number, name of the parameter
 
@@ -217,6 +217,7 @@ class CompiledScene:
         if system:
             self._set(system)
             self._unscaled = None
+            self.loads.follow_tangents()
         return system is not None
 
     @contextmanager
@@ -241,10 +242,12 @@ class CompiledScene:
         saved, number = {name: connectors[name].copy() for name in _OF_LAWS}, int(ramps.number[0])
         ramps.number[0] = 0
         connectors["damping"][which] *= damping
+        held = self.loads.springs_held if damping == 0.0 and len(which) else nullcontext
         if damping == 0.0:
             freeze(connectors, which)
         try:
-            yield
+            with held():
+                yield
         finally:
             ramps.number[0] = number
             for name, values in saved.items():

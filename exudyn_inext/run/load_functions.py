@@ -72,13 +72,22 @@ class LoadFunctions:
 class StateFunctions(LoadFunctions):
     """Functions of which some may depend on the state: `values` are those that they had when last looked at.
 
-    bring: (t, q, v): brings mbs to that state.   name: of the first load whose function may depend on it.
+    bring: (t, q, v): brings mbs to that state.   springs: with functions.
+    name: of the first load or spring whose function may depend on it.
     """
 
-    def __init__(self, loads: Sequence[Asked], bring: Callable[[float, Array, Array], None]) -> None:
+    def __init__(
+        self,
+        loads: Sequence[Asked],
+        bring: Callable[[float, Array, Array], None],
+        springs: Any,
+    ) -> None:
         super().__init__(loads)
-        self.name = next(load.name for load in loads if not load.is_pure)
+        self.springs = springs
+        of_state = [load.name for load in loads if not load.is_pure]
+        self.name = of_state[0] if of_state else springs.name
         self._bring, self._time = bring, 0.0
+        self._looks_at_mbs = bool(of_state) or springs.look_at_mbs
         self._values = np.zeros(self.numbers.sum())
 
     def values(self, times: Sequence[float]) -> Array:
@@ -88,7 +97,9 @@ class StateFunctions(LoadFunctions):
     def look(self, q: Array, v: Array, time: float | None = None) -> Array:
         """The values in the state (q, v), at the time that was asked for last or, if given, `time` [s]."""
         self._time = self._time if time is None else time
-        self._bring(self._time, q, v)
+        if self._looks_at_mbs:
+            self._bring(self._time, q, v)
+        self.springs.look(self._time, q, v)
         self._values = super().values([self._time])[0]
         return self._values
 

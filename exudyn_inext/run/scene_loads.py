@@ -67,6 +67,24 @@ class SceneLoads:
         finally:
             self._kept = None
 
+    @contextmanager
+    def springs_held(self) -> Iterator[None]:
+        """Springs with user functions stay as they were when these were asked last."""
+        if self.of_state is None:
+            yield
+            return
+        springs = self.of_state.springs
+        before, springs.are_held = springs.are_held, True
+        try:
+            yield
+        finally:
+            springs.are_held = before
+
+    def follow_tangents(self) -> None:
+        """Springs with user functions are linear about the state in which these are asked, from now on."""
+        if self.of_state:
+            self.of_state.springs.have_tangents = True
+
     def take_constants(self) -> None:
         """Constant loads on cables, which have been changed."""
         constants = [of_cable.constant for of_cable in self._of_cables]

@@ -7,36 +7,46 @@ import numpy as np
 
 from ...items.arguments import described
 from ...multibody.connectors import CARTESIAN, CONNECTOR, INTRINSIC, RUBBING, SIX, SPRING
+from ...run.spring_functions import AskedSpring
 from .points import Place, PointReader
+from .spring_laws import read_law
 from .unknown import UnknownItemError, require_no_functions
 
 VALUES = {"stiffness", "damping", "offset", "referenceLength", "velocityOffset", "force", "torque"}
 
 
 class KnownConnector(NamedTuple):
-    """record: of a connector.   data: that it was read from.   places: of its markers."""
+    """record: of a connector.   data: that it was read from.   places: of its markers.
+
+    law: its user function, or None.
+    """
 
     record: Any
     data: dict[str, Any]
     places: list[Place]
+    law: AskedSpring | None = None
 
     def set(self, parameter: str, value: Any, record: Any) -> None:
         """One of the VALUES changes, and the record with it, unless it is switched off."""
         self.data[parameter] = value
-        if self.data["activeConnector"]:
+        if self.data["activeConnector"] and not self.law:
             _READERS[self.data["objectType"]](self.data, "", self.places, record)
 
 
-def read_connector(data: dict[str, Any], number: int, reader: PointReader) -> KnownConnector:
+def read_connector(mbs: Any, number: int, reader: PointReader, may_ask: bool) -> KnownConnector:
     """An object; without stiffness and all else if it is switched off.
+
+    may_ask: whether its user function may be called for the end of each step.
 
     Raises:
         UnknownItemError: it has no compiled form.
     """
+    data = mbs.GetObject(number)
     name = described(data, number)
     if data["objectType"] not in _READERS:
         raise UnknownItemError(name)
-    require_no_functions(data, name)
+    if not (may_ask and data["activeConnector"]):
+        require_no_functions(data, name)
     record = np.zeros(1, CONNECTOR)[0]
     record["place"], record["factors"] = reader.place_of_data(data, number), 1.0
     places = [reader.marker(k) for k in data["markerNumbers"]]
@@ -44,7 +54,8 @@ def read_connector(data: dict[str, Any], number: int, reader: PointReader) -> Kn
     of_values = record.copy()
     _READERS[data["objectType"]](data, name, places, of_values)
     if data["activeConnector"]:
-        return KnownConnector(of_values, data, places)
+        law = read_law(mbs, data, number, of_values, name) if may_ask else None
+        return KnownConnector(of_values, data, places, law)
     record["kind"] = CARTESIAN
     return KnownConnector(record, data, places)
 

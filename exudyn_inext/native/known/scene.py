@@ -22,6 +22,7 @@ from ...multibody.scene import Items
 from ...run.compiled_scene import ChangedItem
 from ...run.load_functions import Asked
 from ...run.moved_offsets import MovedOffsets
+from ...run.spring_functions import AskedSpring
 from ..coordinates import CoordinateMap
 from ..evaluated_scene import SceneOfExudyn
 from .bodies import (
@@ -126,6 +127,7 @@ class KnownNumbers:
         self.linear_forces: Any = np.zeros(0, LINEAR_FORCE)
         self.loads: list[Any] = []
         self.functions: list[Asked] = []
+        self.asked_springs: dict[int, AskedSpring] = {}
         self.changing_masses: list[ChangingMass] = []
         self.trees: dict[int, int] = {}  # numbers of their records, by those of the objects
         self._on_trees: dict[int, tuple[slice, slice, ActingOnTree]] = {}  # places of springs and loads
@@ -150,9 +152,15 @@ class KnownNumbers:
             return
         acts = data.get("activeConnector", True) and not is_joint(data)  # those that hold axes are rows
         with nullcontext() if acts else suppress(UnknownItemError):  # to be switched on, it may be
-            spring = read_connector(data, number, self._reader)
-            self._springs[number] = len(self.connectors), spring
+            spring = read_connector(self._mbs, number, self._reader, self._follows_state)
+            self._set_spring(number, len(self.connectors), spring)
             self.connectors.append(spring.record)
+
+    def _set_spring(self, number: int, place: int, spring: KnownConnector) -> None:
+        self._springs[number] = place, spring
+        self.asked_springs.pop(number, None)
+        if spring.law:
+            self.asked_springs[number] = spring.law._replace(place=place)
 
     def _add_tree(self, number: int) -> None:
         tree = ActingOnTree(self._mbs, number, self._reader.bodies[self.trees[number]], self._reader)
@@ -346,8 +354,9 @@ class KnownNumbers:
         if name in VALUES:
             known.set(name, value, connectors[place])
             return True
-        known = read_connector(self._mbs.GetObject(number), number, self._reader)
-        self._springs[number], connectors[place] = (place, known), known.record
+        known = read_connector(self._mbs, number, self._reader, bool(self.asked_springs))
+        self._set_spring(number, place, known)
+        connectors[place] = known.record
         self.places_of.cache_clear()
         return True
 

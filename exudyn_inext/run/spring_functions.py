@@ -1,0 +1,94 @@
+"""User functions of springs: their forces, or tangents, in the state in which they were asked last."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import Array
+from ..compiled import Prepared, placed
+from ..multibody.scene import measure_connectors
+from .load_functions import as_rows
+
+WAY = 1e-8  # of differences, of a stretch or rate up to one
+
+
+class AskedSpring(NamedTuple):
+    """A spring with a user function.
+
+    place: of its record.   axes: along which it acts.   name: for messages.
+    law: (t, stretch, rate, frames) -> forces along these axes [N, Nm]; stretch and rate: (6,),
+        frames: (3, 3, 3), see `multibody.connectors`.
+    looks: whether it may look at mbs.
+    """
+
+    place: int
+    axes: Sequence[int]
+    name: str
+    law: Callable[[float, Array, Array, Array], Any]
+    looks: bool
+
+
+class SpringFunctions:
+    """Of all springs of a scene.   springs: by their numbers, as they are at present.
+
+    are_held: whether the springs stay as they are, wherever they are looked at.
+    have_tangents: whether they are linear about that state, or constant.
+    """
+
+    def __init__(self, springs: Mapping[int, AskedSpring]) -> None:
+        self._springs = springs
+        self._tangents: dict[int, _Tangent] = {}
+        self.are_held = self.have_tangents = False
+
+    @property
+    def name(self) -> str:
+        """Of the first one."""
+        return next((spring.name for spring in self._springs.values()), "")
+
+    @property
+    def look_at_mbs(self) -> bool:
+        """Whether one may."""
+        return any(spring.looks for spring in self._springs.values())
+
+    def take(self, system: Any) -> None:
+        """The scene to whose records they belong."""
+        self._connectors, self._at = system.items.connectors, placed(system)
+        self._measure = Prepared(measure_connectors)
+
+    def look(self, t: float, q: Array, v: Array) -> None:
+        """Let all springs be what their functions say about the state (q, v) at t [s].
+
+        Raises:
+            SceneError: one of them returns something else than finite numbers.
+        """
+        if self.are_held or not self._springs:
+            return
+        self._measure(self._at, q, v)
+        for spring in self._springs.values():
+            if spring.place not in self._tangents:
+                self._tangents[spring.place] = _Tangent(self._connectors, spring.place)
+            self._tangents[spring.place].take(spring, t, self.have_tangents)
+
+
+class _Tangent:
+    """What the record of a spring says of its law about a state."""
+
+    def __init__(self, connectors: Any, place: int) -> None:
+        self._state = connectors["stretch"][place], connectors["rate"][place]
+        self._about = connectors["offset"][place], connectors["rate_offset"][place]
+        self._slopes = connectors["stiffness"][place], connectors["damping"][place]
+        self._force, self._frames = connectors["force"][place], connectors["frame"][place]
+
+    def take(self, spring: AskedSpring, t: float, has_slopes: bool) -> None:
+        """About the stretch and rate of the record, at t [s]."""
+        axes, state, frames = spring.axes, self._state, self._frames
+        force = as_rows([spring.law(t, *state, frames)], [t], len(axes), spring.name)[0]
+        self._force[axes] = force
+        for present, about, slopes in zip(state, self._about, self._slopes, strict=True) if has_slopes else ():
+            about[:] = present
+            for axis in axes:
+                present[axis] += WAY * max(1.0, abs(about[axis]))
+                change = np.ravel(spring.law(t, *state, frames)) - force
+                slopes[axes, axis] = change / (present[axis] - about[axis])
+                present[axis] = about[axis]
