@@ -23,6 +23,7 @@ from .points import add_torque, add_wrench, angle_about, cross, dot
 from .rubbing_springs import BEYOND, SLIDES, force_of_rubbing
 
 SPRING, CARTESIAN, SIX, INTRINSIC, RUBBING = range(5)
+ROUNDING = 1e-12
 
 CONNECTOR = record_type(
     [
@@ -32,6 +33,7 @@ CONNECTOR = record_type(
         ("asked", np.int64, (6,)),  # whether a function is the law along an axis, see `spring_functions`
         ("stiffness", np.float64, (6, 6)),
         ("damping", np.float64, (6, 6)),
+        ("directions", np.float64, (6, 6)),  # unit vectors in the frame of the law, which do not couple there
         ("offset", np.float64, (6,)),
         ("rate_offset", np.float64, (6,)),
         ("force", np.float64, (6,)),  # constant, in the frame of the law
@@ -215,6 +217,24 @@ def _set_wrench(connector, one, other, data, settles):
     _apply_law(connector)
     if connector.kind != CARTESIAN:
         _turn_wrench(connector)
+
+
+def uncoupled_directions(stiffness: Array, damping: Array) -> Array:
+    """(6, 6) unit vectors, one in each row, along which neither of these matrices (6, 6) couples, if any are.
+
+    Axes where these do not; otherwise principal axes of the stiffness, or of the damping if only that couples.
+    """
+    law = damping if is_diagonal(stiffness) else stiffness
+    if is_diagonal(law):
+        return np.eye(6)
+    vectors: Array = np.linalg.eigh(0.5 * (law + law.T))[1].T
+    return vectors
+
+
+def is_diagonal(matrices: Array) -> Any:
+    """Whether matrices (..., 6, 6) are, but for rounding."""
+    sizes = np.abs(matrices).max(axis=(-2, -1), keepdims=True)
+    return (np.abs(matrices) * (1.0 - np.eye(6)) <= ROUNDING * sizes).all(axis=(-2, -1))
 
 
 class Connectors(NamedTuple):

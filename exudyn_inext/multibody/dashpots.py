@@ -1,6 +1,7 @@
 """Springs and dampers that are implicit in the accelerations, as rows among those of joints that yield.
 
-Along each axis of a connector, with its damping d, its stiffness k and the rate B v of its stretch,
+Along each direction n of a connector that does not couple, see `uncoupled_directions`, with its damping
+d = n . D n, its stiffness k = n . K n and the rate B v of its stretch,
 
     M a = F - B^T (f + W (B a - B a_before) + W_s (B a + B_t v)),   W = (1/2 + 1/16) h d,   W_s = 0.3 h^2 k,
 
@@ -21,7 +22,7 @@ import numpy as np
 
 from ..compiled import inlined
 from .circle_contacts import SHARE
-from .connectors import CARTESIAN, RUBBING, SPRING
+from .connectors import CARTESIAN, ROUNDING, RUBBING, SPRING, is_diagonal
 from .joints import NONE
 from .points import cross, dot
 from .rows import DASHPOT, ROW
@@ -31,17 +32,17 @@ STIFF = 0.3  # of h^2 k
 
 
 def rows_of_dashpots(connectors: Any) -> Any:
-    """Records of the rows, one for each axis along which a connector damps or is stiff.
+    """Records of the rows, one for each direction along which a connector damps or is stiff.
 
-    Without those that couple axes: they remain explicit.
+    Without those whose directions are coupled: they remain explicit.
 
     Args:
         connectors: records.
     """
-    laws = np.stack([connectors["damping"], connectors["stiffness"]])
-    diagonal = np.diagonal(laws, axis1=2, axis2=3)
-    is_simple = (np.count_nonzero(laws, axis=(2, 3)) == np.count_nonzero(diagonal, axis=2)).all(axis=0)
-    acts = (diagonal > 0.0).any(axis=0) & is_simple[:, np.newaxis]
+    laws, to = np.stack([connectors["damping"], connectors["stiffness"]]), connectors["directions"]
+    along = to @ laws @ np.swapaxes(to, 1, 2)
+    acts = (np.diagonal(along, axis1=2, axis2=3) > ROUNDING * _sizes(laws)).any(axis=0)
+    acts &= is_diagonal(along).all(axis=0)[:, np.newaxis]
     which, axes = np.nonzero(acts | (connectors["asked"] > 0))
     rows = np.zeros(len(which), ROW)
     rows["kind"], rows["component"], rows["connector"] = DASHPOT, axes, which
@@ -49,27 +50,46 @@ def rows_of_dashpots(connectors: Any) -> Any:
     return rows
 
 
+def _sizes(laws: np.ndarray) -> np.ndarray:
+    """(2, k, 1) of the entries of the matrices (2, k, 6, 6)."""
+    return np.abs(laws).max(axis=(2, 3), initial=0.0)[:, :, np.newaxis]
+
+
 def freeze(connectors: Any, which: np.ndarray) -> None:
     """Let springs pull along their axes as at the last evaluation, however long they are.
 
     connectors: records, in place.   which: numbers of those with rows.
     """
-    stiffness = np.diagonal(connectors["stiffness"][which], axis1=1, axis2=2)
-    connectors["force"][which] += stiffness * (connectors["stretch"][which] - connectors["offset"][which])
+    way = connectors["stretch"][which] - connectors["offset"][which]
+    connectors["force"][which] += np.einsum("kij,kj->ki", connectors["stiffness"][which], way)
     connectors["stiffness"][which] = 0.0
 
 
 @inlined
-def _direction(connector, axis, one, other, k):
-    """Component k of the axis along or about which a connector damps.   axis: 0 to 5."""
+def _direction(connector, number, one, other, half, k):
+    """Component k of the axis along which, or about which if half is 1, a connector damps.
+
+    number: of its direction, 0 to 5.
+    """
     if connector.kind == SPRING:
         square = 0.0
         for i in range(3):
             square += (other.x[0, i] - one.x[0, i]) ** 2
-        return (other.x[0, k] - one.x[0, k]) / np.sqrt(square)
+        return (1.0 - half) * (other.x[0, k] - one.x[0, k]) / np.sqrt(square)
+    direction = connector.directions[number, 3 * half : 3 * half + 3]
     if connector.kind == CARTESIAN or connector.kind == RUBBING:
-        return 1.0 if k == axis else 0.0
-    return connector.frame[0, k, axis % 3]
+        return direction[k]
+    return dot(connector.frame[0, k], direction)
+
+
+@inlined
+def _along(direction, law):
+    """n . L n of a direction n (6,) and a matrix L (6, 6)."""
+    total = 0.0
+    for i in range(6):
+        for j in range(6):
+            total += direction[i] * law[i, j] * direction[j]
+    return total
 
 
 @inlined
@@ -100,16 +120,16 @@ def aim_dashpots(joints, connectors, points):
     """Directions and softness of all rows, after `add_connectors`."""
     for r in range(joints.holding, len(joints.rows)):
         row = joints.rows[r]
-        connector, axis = connectors[row.connector], row.component
+        connector, number = connectors[row.connector], row.component
         one, other = points[row.points[0]], points[row.points[1]]
-        for k in range(3):
-            direction = _direction(connector, axis, one, other, k)
-            for side in range(2):
-                factor = connector.factors[1] if side == 1 else -connector.factors[0]
-                row.e[side, k] = factor * direction if axis < 3 else 0.0
-                row.turned[side, k] = factor * direction if axis >= 3 else 0.0
-        spring = STIFF * row.reach**2 * max(connector.stiffness[axis, axis], 0.0)
-        both = max(spring + SHARE * row.lag * connector.damping[axis, axis], SMALLEST)
+        for side in range(2):
+            factor = connector.factors[1] if side == 1 else -connector.factors[0]
+            for k in range(3):
+                row.e[side, k] = factor * _direction(connector, number, one, other, 0, k)
+                row.turned[side, k] = factor * _direction(connector, number, one, other, 1, k)
+        direction = connector.directions[number]
+        spring = STIFF * row.reach**2 * max(_along(direction, connector.stiffness), 0.0)
+        both = max(spring + SHARE * row.lag * max(_along(direction, connector.damping), 0.0), SMALLEST)
         row.softness, row.springiness = 1.0 / both, spring / both
         row.bend = _bend(connector.kind, row, one, other)
 

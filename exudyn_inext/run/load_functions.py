@@ -129,13 +129,19 @@ def as_rows(returned: list[Any], times: Sequence[float], number: int, name: str)
     return np.array([np.ravel(value) for value in returned], dtype=float)
 
 
-def _as_array(returned: Any) -> Array | None:
-    """Finite numbers as an array; None if it is something else."""
+def as_array(returned: Any) -> Array | None:
+    """Numbers as an array; None if it is something else."""
     try:
         values = np.array(returned)
     except (TypeError, ValueError, OverflowError):
         return None
-    if values.dtype.kind not in "fiub":
+    return values.astype(float, copy=False) if values.dtype.kind in "fiub" else None
+
+
+def _as_array(returned: Any) -> Array | None:
+    """Finite numbers as an array; None if it is something else."""
+    values = as_array(returned)
+    if values is None:
         return None
     is_finite = math.isfinite(np.add.reduce(values, axis=None)) or np.isfinite(values).all()
-    return values.astype(float, copy=False) if is_finite else None
+    return values if is_finite else None

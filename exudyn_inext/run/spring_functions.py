@@ -7,8 +7,10 @@ import numpy as np
 
 from ..arrays import Array
 from ..compiled import Prepared, placed
+from ..errors import SceneError
+from ..multibody.connectors import uncoupled_directions
 from ..multibody.scene import measure_connectors
-from .load_functions import as_rows
+from .load_functions import as_array
 
 WAY = 1e-8  # of differences, of a stretch or rate up to one
 
@@ -60,7 +62,7 @@ class SpringFunctions:
         """Let all springs be what their functions say about the state (q, v) at t [s].
 
         Raises:
-            SceneError: one of them returns something else than finite numbers.
+            SceneError: one of them returns something else than numbers.
         """
         if self.are_held or not self._springs:
             return
@@ -79,16 +81,35 @@ class _Tangent:
         self._about = connectors["offset"][place], connectors["rate_offset"][place]
         self._slopes = connectors["stiffness"][place], connectors["damping"][place]
         self._force, self._frames = connectors["force"][place], connectors["frame"][place]
+        self._directions = connectors["directions"][place]
 
     def take(self, spring: AskedSpring, t: float, has_slopes: bool) -> None:
         """About the stretch and rate of the record, at t [s]."""
-        axes, state, frames = spring.axes, self._state, self._frames
-        force = as_rows([spring.law(t, *state, frames)], [t], len(axes), spring.name)[0]
+        axes, state = spring.axes, self._state
+        force = self._forces(spring, t)
         self._force[axes] = force
-        for present, about, slopes in zip(state, self._about, self._slopes, strict=True) if has_slopes else ():
+        for present, about, slopes in (
+            zip(state, self._about, self._slopes, strict=True) if has_slopes else ()
+        ):
             about[:] = present
             for axis in axes:
                 present[axis] += WAY * max(1.0, abs(about[axis]))
-                change = np.ravel(spring.law(t, *state, frames)) - force
+                change = self._forces(spring, t) - force
                 slopes[axes, axis] = change / (present[axis] - about[axis])
                 present[axis] = about[axis]
+        if has_slopes and len(axes) > 1:
+            self._directions[:] = uncoupled_directions(*self._slopes)
+
+    def _forces(self, spring: AskedSpring, t: float) -> Array:
+        """Along the axes of a spring; no numbers where steps that are too long lead out of its range."""
+        try:
+            returned = spring.law(t, *self._state, self._frames)
+        except OverflowError:
+            return np.full(len(spring.axes), np.nan)
+        values = as_array(returned)
+        if values is None or values.size != len(spring.axes):
+            raise SceneError(
+                f"the user function of {spring.name} returned {returned!r} at t = {t:g} s: must return "
+                f"{len(spring.axes)} number(s)."
+            )
+        return values.ravel()

@@ -63,6 +63,17 @@ def load_node(mbs, node, force, **function):
     return mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=force, **function))
 
 
+def that_remembers(function):
+    """The same user function of an object, which stores something: Exudyn has to ask it."""
+    last = {}
+
+    def asked(mbs, t, *others):
+        last["time"] = t
+        return function(mbs, t, *others)
+
+    return asked
+
+
 def native_cable(mbs, dim, elements, section=SECTION, axial_stiffness=8e4, **line):
     """Nodes of a native cable of 1.8 m along x under gravity; `line` replaces arguments."""
     template = ObjectANCFCable2D if dim == 2 else ObjectANCFCable

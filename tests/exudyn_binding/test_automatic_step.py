@@ -37,6 +37,7 @@ from exudyn_inext.run.watch import _errors_of_waves
 from reference_models.inextensible import Inextensible, inextensible_case, solved
 from reference_models.model import quiet_settings, sensor_trajectory, silence
 from reference_models.scenes import load_scene
+from tests.exudyn_binding.items import that_remembers
 from tests.random_scenes import RandomScene
 
 END, PERIOD = 1.0, 0.01
@@ -666,7 +667,7 @@ def test_damping_that_shortens_the_step_is_said_before_the_run(new_mbs, add_pend
         mbs.Assemble()
         return mbs, point["nodeNumber"], spring
 
-    mbs, node, _ = scene(springForceUserFunction=force)
+    mbs, node, _ = scene(springForceUserFunction=that_remembers(force))
     match = rf"damping of .*e\+04 1/s at node {node} .* bounds the step .* let a step function set"
     with pytest.warns(UserWarning, match=match):
         report = solve(mbs, 0.1, steps=20)
@@ -835,6 +836,6 @@ def test_a_run_that_a_stiff_spring_makes_very_long_is_told_of_before(mbs, add_pe
     spring = mbs.AddObject(SpringDamper(markerNumbers=markers, referenceLength=1.0, stiffness=1e12))
     mbs.Assemble()
     assert solve(mbs, settings=quiet_settings(0.1, 1, 0.1))["steps"] < 1000
-    mbs.SetObjectParameter(spring, "springForceUserFunction", law)
+    mbs.SetObjectParameter(spring, "springForceUserFunction", that_remembers(law))
     with pytest.raises(UserWarning, match=LONG_RUN + "let what is so stiff there be softer"):
         solve(mbs, settings=quiet_settings(10.0, 100, 0.1))

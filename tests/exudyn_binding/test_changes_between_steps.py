@@ -48,7 +48,7 @@ from exudyn_inext import (
 )
 from exudyn_inext.exudyn_binding.scene_runs import RunBuilder
 from reference_models.model import quiet_settings, silence
-from tests.exudyn_binding.items import native_cable
+from tests.exudyn_binding.items import native_cable, that_remembers
 
 TEMPLATE = InextensibleCable(massPerLength=0.0348, bendingStiffness=0.0866)
 PINNED = [True, True, False, False]
@@ -608,7 +608,7 @@ def beside_a_function(kind, model):
     spring = CartesianSpringDamper(
         markerNumbers=markers,
         stiffness=[5.0, 5.0, 5.0],
-        springForceUserFunction=lambda mbs, t, number, u, v, k, d, offset: [k[0] * x for x in u],
+        springForceUserFunction=that_remembers(lambda mbs, t, number, u, v, k, *_: [k[0] * x for x in u]),
     )
     model.mbs.AddObject(spring)
     return kind(model)

@@ -15,7 +15,7 @@ from exudyn_inext import (
     SolveExplicit,
 )
 from reference_models.model import quiet_settings, silence
-from tests.exudyn_binding.items import add_pendulum
+from tests.exudyn_binding.items import add_pendulum, that_remembers
 
 END = 0.2
 DERIVATIVES = ("coordinates", "velocities", "accelerations")
@@ -117,7 +117,7 @@ def test_what_only_exudyn_can_evaluate_is_refused_by_name():
             itemNumbers=[mbs.CreateGround(), body],
             localPosition0=[0, 0, 1],
             stiffness=1.0,
-            springForceUserFunction=spring,
+            springForceUserFunction=that_remembers(spring),
         )
         mbs.Assemble()
         return mbs

@@ -36,6 +36,7 @@ from exudyn_inext.scene.path_work import SCALE
 from reference_models.model import quiet_settings
 from studies.robust.scenes import build, lone_rope, mixed_rope
 from studies.robustness import periods_before_snap
+from tests.exudyn_binding.items import that_remembers
 
 END, PERIOD = 1.5, 0.01
 VIOLENT = [5, 6, 18, 20, 29]  # seeds of ropes that snap tight: with the rejections off all of them diverge
@@ -88,7 +89,12 @@ def hooked(damping, law):
     rope = CreateInextensibleCable(mbs, [0, 0, 0], [1, 0, 0], 4, section, **pinned)
     load = mbs.CreateMassPoint(referencePosition=[1.2, 0, 0], mass=5.0, create2D=True, returnDict=True)
     ends = [mbs.AddMarker(MarkerNodePosition(nodeNumber=n)) for n in (rope["nodes"][-1], load["nodeNumber"])]
-    spring = {"referenceLength": 0.2, "stiffness": 2e3, "damping": damping, "springForceUserFunction": law}
+    spring = {
+        "referenceLength": 0.2,
+        "stiffness": 2e3,
+        "damping": damping,
+        "springForceUserFunction": that_remembers(law),
+    }
     mbs.AddObject(SpringDamper(markerNumbers=ends, **spring))
     mbs.AddLoad(LoadForceVector(markerNumber=ends[1], loadVector=[20, 0, 0]))
     mbs.Assemble()

@@ -6,7 +6,7 @@ from exudyn.itemInterface import LoadCoordinate, MarkerNodeCoordinate
 
 from exudyn_inext import SceneError
 from exudyn_inext.integrators import INTEGRATORS
-from tests.exudyn_binding.items import trajectory
+from tests.exudyn_binding.items import that_remembers, trajectory
 
 
 @pytest.fixture
@@ -45,7 +45,7 @@ def test_the_limit_of_a_coupled_scene_is_that_of_its_stiffest_spring(beside_a_ca
     def force(mbs, t, number, stretch, speed, stiffness, damping, offset):
         return [k * x for k, x in zip(stiffness, stretch, strict=True)]
 
-    law = {"springForceUserFunction": force} if integrator == "RATTLE" else {}
+    law = {"springForceUserFunction": that_remembers(force)} if integrator == "RATTLE" else {}
     found, _ = beside_a_cable(lambda *of: tied(*of, 1e7, **law), integrator=integrator)
     assert found["bounds"].largest_frequency == pytest.approx(np.sqrt(1e7 / 2.0), rel=2e-3)
 
@@ -62,7 +62,7 @@ def test_a_dashpot_without_spring_bounds_the_step(beside_a_cable, beside, integr
     def force(mbs, t, number, stretch, speed, stiffness, damping, offset):
         return [d * v for d, v in zip(damping, speed, strict=True)]
 
-    law = {"springForceUserFunction": force} if integrator == "RATTLE" else {}
+    law = {"springForceUserFunction": that_remembers(force)} if integrator == "RATTLE" else {}
     with pytest.warns(UserWarning, match=r"damping of 1e\+05 1/s .* bounds the step"):
         report, path = beside_a_cable(
             lambda mbs, point: tied(mbs, point, damping=2.0 * rate, **law),
@@ -92,7 +92,7 @@ def nowhere(mbs, point):
 
 def no_spring(mbs, point):
     """A force that is no number."""
-    tied(mbs, point, springForceUserFunction=lambda *_: [float("nan")] * 3)
+    tied(mbs, point, springForceUserFunction=that_remembers(lambda *_: [float("nan")] * 3))
 
 
 def no_stiffness(mbs, point):

@@ -35,7 +35,7 @@ from exudyn_inext.integrators import INTEGRATORS
 from exudyn_inext.native.joint_items import read_joints
 from exudyn_inext.scene.joints import JointSolve
 from reference_models.model import quiet_settings, silence
-from tests.exudyn_binding.items import trajectory
+from tests.exudyn_binding.items import that_remembers, trajectory
 
 GRAVITY = [0, -9.81, 0]
 ROTATIONS = [exudyn.NodeType.RotationEulerParameters, exudyn.NodeType.RotationRxyz]
@@ -237,7 +237,7 @@ def test_the_stability_limit_counts_spring_and_damper(oscillator):
         forces = zip(stiffness, stretch, damping, speed, strict=True)
         return [k * x + d * v for k, x, d, v in forces]
 
-    given = {"functions": {"springForceUserFunction": law}}
+    given = {"functions": {"springForceUserFunction": that_remembers(law)}}
     limit = oscillator(1e-3, 1e-3, **given)[0]["bounds"].stability_limit
     steps = [share * limit for share in (0.97, 1.04)]
     runs = (oscillator(h, 100 * h, energyTolerance=np.inf, **given) for h in steps)
@@ -348,7 +348,7 @@ def test_a_quick_ramp_from_rest_is_compiled_and_its_work_known(mbs, add_cable, i
     rope = {"numberOfElements": 6, "positionEnd": [0, -1, 0], "beamTemplate": section}
     _, markers = hang_on_a_moved_point(mbs, add_cable, ramp, **rope)
     if not is_compiled:
-        law = {"springForceUserFunction": lambda mbs, t, number, way, *others: 1e-3 * way}
+        law = {"springForceUserFunction": that_remembers(lambda mbs, t, number, way, *_: 1e-3 * way)}
         mbs.AddObject(CoordinateSpringDamper(markerNumbers=markers, **law))
     mbs.Assemble()
     report = SolveExplicit(mbs, quiet_settings(1.0, 100, 0.01))

@@ -73,7 +73,7 @@ from exudyn_inext.native.known import scene
 from exudyn_inext.native.known.connectors import read_connector
 from exudyn_inext.run.moved_by_kernels import MovedByKernels
 from reference_models.model import quiet_settings, silence
-from tests.exudyn_binding.items import COARSE
+from tests.exudyn_binding.items import COARSE, that_remembers
 
 STEP, STEPS = 5e-5, 50
 SEGMENTS = 3  # of an element in contact
@@ -1013,7 +1013,7 @@ def of_a_function(b):
         return 30.0 * displacement + 0.2 * velocity
 
     pair = [b.coordinate(b.cable["nodes"][-1], 0), b.coordinate(b.nodes[0], 0)]
-    b.mbs.AddObject(CoordinateSpringDamper(markerNumbers=pair, springForceUserFunction=pull))
+    b.mbs.AddObject(CoordinateSpringDamper(markerNumbers=pair, springForceUserFunction=that_remembers(pull)))
 
 
 @pytest.mark.parametrize(("kinds", "tolerance"), [([spring, angles, drums], OF_JOINTS), ([distances], 1e-6)])
@@ -1194,8 +1194,8 @@ def run(builder, explicit=ExplicitSettings(stepSize=1e-3, massScaling=0.3)):  # 
 
 
 def test_a_form_that_disagrees_with_exudyn_is_not_taken_and_named(monkeypatch, fault):
-    def softer(data, number, reader):
-        known = read_connector(data, number, reader)
+    def softer(*given):
+        known = read_connector(*given)
         known.record.stiffness *= 1.0 - 1e-6
         return known
 
