@@ -220,21 +220,21 @@ def _set_wrench(connector, one, other, data, settles):
 
 
 def uncoupled_directions(stiffness: Array, damping: Array) -> Array:
-    """(6, 6) unit vectors, one in each row, along which neither of these matrices (6, 6) couples, if any are.
+    """(k, k) unit vectors, one in each row, along which neither of these matrices (k, k) couples, if any are.
 
-    Axes where these do not; otherwise principal axes of the stiffness, or of the damping if only that couples.
+    Axes where these do not; otherwise principal ones of the stiffness, or of the damping if that one couples.
     """
     law = damping if is_diagonal(stiffness) else stiffness
     if is_diagonal(law):
-        return np.eye(6)
+        return np.eye(len(law))
     vectors: Array = np.linalg.eigh(0.5 * (law + law.T))[1].T
     return vectors
 
 
 def is_diagonal(matrices: Array) -> Any:
-    """Whether matrices (..., 6, 6) are, but for rounding."""
+    """Whether matrices (..., k, k) are, but for rounding."""
     sizes = np.abs(matrices).max(axis=(-2, -1), keepdims=True)
-    return (np.abs(matrices) * (1.0 - np.eye(6)) <= ROUNDING * sizes).all(axis=(-2, -1))
+    return (np.abs(matrices) * (1.0 - np.eye(matrices.shape[-1])) <= ROUNDING * sizes).all(axis=(-2, -1))
 
 
 class Connectors(NamedTuple):

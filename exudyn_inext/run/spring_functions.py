@@ -98,7 +98,8 @@ class _Tangent:
                 slopes[axes, axis] = change / (present[axis] - about[axis])
                 present[axis] = about[axis]
         if has_slopes and len(axes) > 1:
-            self._directions[:] = uncoupled_directions(*self._slopes)
+            own = np.ix_(axes, axes)
+            self._directions[own] = uncoupled_directions(*(slopes[own] for slopes in self._slopes))
 
     def _forces(self, spring: AskedSpring, t: float) -> Array:
         """Along the axes of a spring; no numbers where steps that are too long lead out of its range."""

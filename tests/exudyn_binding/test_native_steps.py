@@ -154,7 +154,7 @@ def test_steps_that_become_too_long_are_taken_again_smaller(scene, integrator, r
     step, end, output = SCENES[scene]
     (rows,), report = run(scene, step, output, end, integrator=integrator)
     assert report["rejections"] > 0 and report["stepSize"] < 0.3 * step
-    (fine,), _ = run(scene, step / 8, output, end, integrator=integrator)
+    (fine,), _ = run(scene, step / 16, output, end, integrator=integrator)
     assert np.abs(rows - fine).max() < 0.01 * np.ptp(fine, axis=0).max()
 
 

@@ -78,7 +78,7 @@ def read_law(mbs: Any, data: dict[str, Any], number: int, record: Any, name: str
 
 def _may_set_objects(mbs: Any) -> bool:
     """Whether step functions may, along whose way their parameters would go within a step."""
-    asked = [one for one in step_functions(mbs) if may_change_anything(one, mbs)]
     return any(
-        "SetObjectParameter" in names_read_by(one, mbs) or not names_read_by(one, mbs) for one in asked
+        look_of(one, mbs) == Look.ANYTHING or "SetObjectParameter" in names_read_by(one, mbs)
+        for one in step_functions(mbs)
     )
