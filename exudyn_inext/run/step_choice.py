@@ -39,7 +39,7 @@ OF_STATES = 0.2  # step times the frequency of first order states, as of oil und
 PHASE_OF_STATES = 0.02  # error of a swing of first order states by themselves [rad]: 1 % of its range
 OF_RUBBING = 0.7  # step times the rate of contacts: a rope on a drum is then 1 % off, 7 % without damping
 PHASE = 0.003  # error of the motion at the end of a run [rad]
-MOST_DURATION = 100.0  # of a run, for that [s]
+MOST_DURATION, MOST_STEPS = 100.0, 3e4  # of a run, for that: time [s], or steps that resolve the motion
 SLOWED = 1.5  # times that dashpots may shorten the step and be explicit
 SLOWED_BY_SPRINGS = 2.0  # times that springs may, which are less exact when they are implicit
 MUCH = 10.0  # times that damping may shorten the step without a word
@@ -240,7 +240,7 @@ def _bounds_and_scaling(
     if explicit.stepSize is not None or explicit.method[0].stabilised or not cables:
         if explicit.stepSize is None and not explicit.adaptiveStep:
             for run in runs:  # steps that gain energy may become shorter, whatever their phase
-                run.watch.limit_phase(min(duration, MOST_DURATION), math.inf, NO_MESH, 0.0)
+                run.watch.limit_phase(duration, math.inf, NO_MESH, 0.0)
         return step_bounds(runs, start, explicit), explicit
     rows = [rows_of([cable.scene_cable for cable in run.cable_runs]) for run in runs]
     accuracy = min(map(_accuracy, runs, rows, repeat(start)))
@@ -250,7 +250,7 @@ def _bounds_and_scaling(
             usual = MOST_THETA
         lightest = min(run.lightest_body for run in runs if isinstance(run, CoupledRun))
         of_bending = min(map(step_of_short_waves, cables, chain(*rows), repeat(lightest)))
-        lasts = min(duration, MOST_DURATION)
+        lasts = _counted(duration, accuracy)
         of_others = (
             step for run in runs for step in (_step_of_states(run, start, lasts), _step_of_rubbing(run))
         )
@@ -260,8 +260,13 @@ def _bounds_and_scaling(
     bounds, theta = _scaled_bounds(runs, start, replace(explicit, massScaling=theta), accuracy, step, most)
     for run in runs:
         mesh = resolution_of_mesh(run, start, theta)
-        run.watch.limit_phase(min(duration, MOST_DURATION), PHASE, mesh, small_error(run))
+        run.watch.limit_phase(_counted(duration, accuracy), PHASE, mesh, small_error(run))
     return bounds, replace(explicit, massScaling=theta)
+
+
+def _counted(duration: float, accuracy: float) -> float:
+    """Time over which errors of the phase add up [s].   accuracy: step that resolves the motion [s]."""
+    return min(duration, max(MOST_DURATION, MOST_STEPS * accuracy))
 
 
 def _scaled_bounds(

@@ -6,6 +6,7 @@ import exudyn
 import numpy as np
 import pytest
 from exudyn.utilities import (
+    CartesianSpringDamper,
     CoordinateConstraint,
     DistanceConstraint,
     MarkerBodyPosition,
@@ -58,6 +59,31 @@ def test_scenes_have_the_same_form_and_motion_in_any_unit_of_length(unit):
         return report["steps"], mbs.GetNodeOutput(nodes[-1], exudyn.OutputVariableType.Position) / unit
 
     (steps, place), (own_steps, own_place) = solve(1.0), solve(unit)
+    assert own_steps == steps
+    np.testing.assert_allclose(own_place, place, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("second", [1e-3, 1e3])
+def test_steps_are_the_same_in_any_unit_of_time(second):
+    """A cable on a mass on a spring, whose errors of the phase decide; 1 s is 1000 ms."""
+
+    def solve(second):
+        mbs = exudyn.SystemContainer().AddSystem()
+        section = InextensibleCable(massPerLength=0.1, bendingStiffness=0.01 / second**2)
+        gravity = [0, -9.81 / second**2, 0]
+        nodes = CreateInextensibleCable(mbs, [0, 0, 0], [1, 0, 0], 4, section, gravity=gravity)["nodes"]
+        body = mbs.CreateMassPoint(mass=0.1, create2D=True, gravity=gravity)
+        start = mbs.AddMarker(MarkerNodePosition(nodeNumber=nodes[0]))
+        held, fixed = (
+            mbs.AddMarker(MarkerBodyPosition(bodyNumber=one)) for one in (body, mbs.CreateGround())
+        )
+        mbs.AddObject(RevoluteJoint2D(markerNumbers=[held, start]))
+        mbs.AddObject(CartesianSpringDamper(markerNumbers=[fixed, held], stiffness=[1e3 / second**2] * 3))
+        mbs.Assemble()
+        steps = SolveExplicit(mbs, quiet_settings(second, 10))["steps"]
+        return steps, mbs.GetNodeOutput(nodes[-1], exudyn.OutputVariableType.Position)
+
+    (steps, place), (own_steps, own_place) = solve(1.0), solve(second)
     assert own_steps == steps
     np.testing.assert_allclose(own_place, place, rtol=0, atol=1e-9)
 
