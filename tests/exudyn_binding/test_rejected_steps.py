@@ -34,7 +34,9 @@ from exudyn_inext import (
 )
 from exudyn_inext.run import step_control
 from exudyn_inext.run.coupled_watch import CoupledWatch
+from exudyn_inext.run.paced_run import PacedRun
 from exudyn_inext.run.step_control import StepControl
+from exudyn_inext.run.watch import JUMP
 from exudyn_inext.scene.path_work import SCALE
 from reference_models.model import quiet_settings
 from studies.robust.scenes import build, lone_rope, mixed_rope
@@ -317,6 +319,15 @@ def test_contact_throws_off_no_held_coordinates_by_round_off_without_cables(mbs)
     assert report["steps"] == 100 and report["rejections"] == 0
     moved = mbs.GetObjectOutputBody(follower, exudyn.OutputVariableType.Displacement, [0, 0, 0])[0]
     assert moved == pytest.approx(place, rel=0.01)
+
+
+@pytest.mark.parametrize(("nominal", "is_advised"), [(1e-3, True), (6e-5, False)])
+def test_no_step_is_advised_that_is_longer_than_the_one_that_went_wrong(nominal, is_advised):
+    watch = SimpleNamespace(resolving_step=8.5e-5, hides_energy=True, trouble=JUMP)
+    control = SimpleNamespace(offset=0.0, present=1e-9, largest=nominal, is_smallest=True)
+    seen = dict(names_of_places=[], cable_runs=[], straight_cables=list, _rejects=True, jump=None)
+    said = PacedRun.known_cause(SimpleNamespace(watch=watch, control=control, looks_ahead=True, **seen), 0.0)
+    assert ("take stepSize = 8.5e-05" in said) == is_advised
 
 
 def test_longer_steps_are_tried_less_often_if_they_fail_again():
