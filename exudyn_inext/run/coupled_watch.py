@@ -316,7 +316,8 @@ class CoupledWatch(RunWatch):
         dofs = self._bodies.dofs
         ahead = 0.0 if self.bears_throws else h
         place, way = self._largest_throw(self.path, dofs.start, dofs.stop, state.a, ahead)
-        if not way * self.watch.duration > SMALL * self._length * h:
+        length = self._length or float(np.abs(state.q).max(initial=0.0))  # no cables: how far away bodies are
+        if not way * self.watch.duration > SMALL * length * h:
             return 0.0
         if self.bears_throws and self.thrown is None:
             self.thrown = t, way / h, place, h

@@ -148,7 +148,7 @@ class PacedRun:
         is_no_number = self.watch.trouble == NOT_FINITE and self.control.is_smallest
         if is_no_number and not self.looks_ahead:  # Exudyn evaluates, and does not look at what it gets
             return NO_NUMBER
-        if self.watch.hides_energy and step > 0.0:
+        if self.watch.hides_energy and 0.0 < step < self.control.largest:  # otherwise they are resolved
             return (
                 "Likely cause: axial vibrations, which the steps did not resolve, hid energy that smaller "
                 f"ones set free: take stepSize = {step:.2g}, which resolves them from the start."

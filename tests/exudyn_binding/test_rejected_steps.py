@@ -12,15 +12,18 @@ from exudyn.itemInterface import (
     CoordinateConstraint,
     LoadForceVector,
     MarkerBodyPosition,
+    MarkerBodyRigid,
     MarkerNodeCoordinate,
     MarkerNodePosition,
     NodeGenericData,
     NodePointGround,
     ObjectContactCoordinate,
+    ObjectContactCurveCircles,
     SensorNode,
     SphericalJoint,
     SpringDamper,
 )
+from exudyn.rigidBodyUtilities import InertiaCuboid
 
 from exudyn_inext import (
     CreateInextensibleCable,
@@ -31,7 +34,9 @@ from exudyn_inext import (
 )
 from exudyn_inext.run import step_control
 from exudyn_inext.run.coupled_watch import CoupledWatch
+from exudyn_inext.run.paced_run import PacedRun
 from exudyn_inext.run.step_control import StepControl
+from exudyn_inext.run.watch import JUMP
 from exudyn_inext.scene.path_work import SCALE
 from reference_models.model import quiet_settings
 from studies.robust.scenes import build, lone_rope, mixed_rope
@@ -283,6 +288,52 @@ def test_a_body_that_contact_throws_off_in_given_steps_is_named_with_one_that_he
     advised = float(re.search(r"stepSize = ([\d.e-]+)", str(caught[0].message))[1])
     solve(mbs, 0.03, steps=30, stepSize=advised, rejectSteps=False)
     assert height_of(mbs, light) == pytest.approx(-1e-3, abs=2e-5)
+
+
+def add_cam_and_follower(mbs):
+    """A circle that turns off its centre moves a block along x, which a spring presses onto it; no cable."""
+    inertia = InertiaCuboid(1000.0, [0.08, 0.06, 0.06])
+    cam, follower = (
+        mbs.CreateRigidBody(referencePosition=[x, 0, 0], inertia=inertia, create2D=True) for x in (0.0, 0.1)
+    )
+    for body, coordinate, offset in (
+        (cam, 0, {}),
+        (cam, 1, {}),
+        (cam, 2, {"velocityLevel": True, "offset": 25.0}),
+    ):
+        mbs.CreateCoordinateConstraint(itemNumbers=[None, body], coordinates=[None, coordinate], **offset)
+    for coordinate in (1, 2):
+        mbs.CreateCoordinateConstraint(itemNumbers=[None, follower], coordinates=[None, coordinate])
+    ends = dict(itemNumbers=[mbs.CreateGround(), follower], localPosition0=[0.2, 0, 0])
+    mbs.CreateSpringDamper(**ends, referenceLength=0.12, stiffness=1000.0, damping=20.0)
+    places = (follower, [0, 0, 0]), (cam, [0.02, 0, 0])
+    markers = [mbs.AddMarker(MarkerBodyRigid(bodyNumber=body, localPosition=place)) for body, place in places]
+    data = mbs.AddNode(NodeGenericData(initialCoordinates=[-1, 0, 0], numberOfDataCoordinates=3))
+    face = exudyn.MatrixContainer(np.array([[-0.04, 0.03, -0.04, -0.03]]))
+    contact = dict(circlesRadii=[0.04], segmentsData=face, contactStiffness=2e6, contactDamping=1e4)
+    mbs.AddObject(ObjectContactCurveCircles(markerNumbers=markers, nodeNumber=data, **contact))
+    mbs.Assemble()
+    return follower
+
+
+def test_contact_throws_off_no_held_coordinates_by_round_off_without_cables(mbs):
+    follower = add_cam_and_follower(mbs)
+    mbs.systemData.SetODE2Coordinates_t([0, 0, 25.0, 0, 0, 0], exudyn.ConfigurationType.Initial)
+    mbs.SolveDynamic(quiet_settings(0.02, 1000))
+    place = mbs.GetObjectOutputBody(follower, exudyn.OutputVariableType.Displacement, [0, 0, 0])[0]
+    report = SolveExplicit(mbs, quiet_settings(0.02, 100))
+    assert report["steps"] == 100 and report["rejections"] == 0
+    moved = mbs.GetObjectOutputBody(follower, exudyn.OutputVariableType.Displacement, [0, 0, 0])[0]
+    assert moved == pytest.approx(place, rel=0.01)
+
+
+@pytest.mark.parametrize(("nominal", "is_advised"), [(1e-3, True), (6e-5, False)])
+def test_no_step_is_advised_that_is_longer_than_the_one_that_went_wrong(nominal, is_advised):
+    watch = SimpleNamespace(resolving_step=8.5e-5, hides_energy=True, trouble=JUMP)
+    control = SimpleNamespace(offset=0.0, present=1e-9, largest=nominal, is_smallest=True)
+    seen = dict(names_of_places=[], cable_runs=[], straight_cables=list, _rejects=True, jump=None)
+    said = PacedRun.known_cause(SimpleNamespace(watch=watch, control=control, looks_ahead=True, **seen), 0.0)
+    assert ("take stepSize = 8.5e-05" in said) == is_advised
 
 
 def test_longer_steps_are_tried_less_often_if_they_fail_again():
