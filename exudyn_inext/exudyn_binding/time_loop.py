@@ -140,7 +140,10 @@ class ExplicitTimeLoop:
             if self._may_go_ahead:
                 reasons[-1] += f" (up to {UNSEEN} steps at once while they change nothing)"
             return f"{names}: one call for each of Exudyn's steps, because {'; '.join(reasons)}"
-        ahead = self._steps_at_once
+        ahead, asked = self._steps_at_once, listed([run.asks for run in self.runs if run.asks])
+        if asked:
+            why = f"{asked}, asked in each, sees no more than its own motion"
+            return f"{names}: {ahead} of Exudyn's steps in one call, because {why}"
         return f"{names}: {ahead} of Exudyn's steps in one compiled call, because all loads are known"
 
     @property

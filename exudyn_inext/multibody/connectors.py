@@ -33,7 +33,8 @@ CONNECTOR = record_type(
         ("asked", np.int64, (6,)),  # whether a function is the law along an axis, see `spring_functions`
         ("stiffness", np.float64, (6, 6)),
         ("damping", np.float64, (6, 6)),
-        ("directions", np.float64, (6, 6)),  # unit vectors in the frame of the law, which do not couple there
+        ("directions", np.float64, (12, 6)),  # see `principal_directions`, in the frame of the law
+        ("splits", np.int64),  # whether the last ones are those of the damping
         ("offset", np.float64, (6,)),
         ("rate_offset", np.float64, (6,)),
         ("force", np.float64, (6,)),  # constant, in the frame of the law
@@ -219,16 +220,23 @@ def _set_wrench(connector, one, other, data, settles):
         _turn_wrench(connector)
 
 
-def uncoupled_directions(stiffness: Array, damping: Array) -> Array:
-    """(k, k) unit vectors, one in each row, along which neither of these matrices (k, k) couples, if any are.
+def principal_directions(stiffness: Array, damping: Array) -> Array:
+    """(2, k, k) unit vectors, in rows, along which these matrices (k, k) do not couple: of each of both.
 
-    Axes where these do not; otherwise principal ones of the stiffness, or of the damping if that one couples.
+    Axes where they do not.
     """
-    law = damping if is_diagonal(stiffness) else stiffness
-    if is_diagonal(law):
-        return np.eye(len(law))
-    vectors: Array = np.linalg.eigh(0.5 * (law + law.T))[1].T
-    return vectors
+    laws = np.stack([stiffness, damping])
+    vectors = np.swapaxes(np.linalg.eigh(0.5 * (laws + np.swapaxes(laws, 1, 2)))[1], 1, 2)
+    return np.where(is_diagonal(laws)[:, np.newaxis, np.newaxis], np.eye(len(stiffness)), vectors)
+
+
+def set_directions(record: Any) -> None:
+    """Those of the record of a connector, which are of stiffness and damping at once if that may be."""
+    laws = np.stack([record["stiffness"], record["damping"]])
+    of_both = principal_directions(*laws)
+    common = of_both[1 if is_diagonal(laws[0]) else 0]
+    record["splits"] = int(not is_diagonal(common @ laws @ common.T).all())
+    record["directions"] = np.concatenate(of_both if record["splits"] else [common, np.zeros((6, 6))])
 
 
 def is_diagonal(matrices: Array) -> Any:

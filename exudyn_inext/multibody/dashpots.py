@@ -1,7 +1,7 @@
 """Springs and dampers that are implicit in the accelerations, as rows among those of joints that yield.
 
-Along each direction n of a connector that does not couple, see `uncoupled_directions`, with its damping
-d = n . D n, its stiffness k = n . K n and the rate B v of its stretch,
+Along each principal direction n of a connector, with its damping d = n . D n, its stiffness k = n . K n and
+the rate B v of its stretch,
 
     M a = F - B^T (f + W (B a - B a_before) + W_s (B a + B_t v)),   W = (1/2 + 1/16) h d,   W_s = 0.3 h^2 k,
 
@@ -13,7 +13,8 @@ of 0.22 h times the velocities that it cannot follow. Both together are a row
 
     B a - mu / (W + W_s) = (W B a_before - W_s B_t v) / (W + W_s)
 
-beside those of the joints, which yields by its `softness` 1 / (W + W_s).
+beside those of the joints, which yields by its `softness` 1 / (W + W_s). Where stiffness and damping have
+other directions, there are rows of both: W beside the directions of the damping would delay what moves there.
 """
 
 from typing import Any
@@ -22,7 +23,7 @@ import numpy as np
 
 from ..compiled import inlined
 from .circle_contacts import SHARE
-from .connectors import CARTESIAN, ROUNDING, RUBBING, SPRING, is_diagonal
+from .connectors import CARTESIAN, ROUNDING, RUBBING, SPRING
 from .joints import NONE
 from .points import cross, dot
 from .rows import DASHPOT, ROW
@@ -34,25 +35,20 @@ STIFF = 0.3  # of h^2 k
 def rows_of_dashpots(connectors: Any) -> Any:
     """Records of the rows, one for each direction along which a connector damps or is stiff.
 
-    Without those whose directions are coupled: they remain explicit.
-
     Args:
         connectors: records.
     """
-    laws, to = np.stack([connectors["damping"], connectors["stiffness"]]), connectors["directions"]
-    along = to @ laws @ np.swapaxes(to, 1, 2)
-    acts = (np.diagonal(along, axis1=2, axis2=3) > ROUNDING * _sizes(laws)).any(axis=0)
-    acts &= is_diagonal(along).all(axis=0)[:, np.newaxis]
-    which, axes = np.nonzero(acts | (connectors["asked"] > 0))
+    to = connectors["directions"]
+    laws = np.stack([connectors["stiffness"], connectors["damping"]])
+    along = np.einsum("kni,lkij,knj->lkn", to, laws, to)
+    acts = (along > ROUNDING * np.abs(laws).max(axis=(2, 3), initial=0.0)[:, :, np.newaxis]).any(axis=0)
+    asked = connectors["asked"] > 0
+    acts |= np.hstack([asked, asked & (connectors["splits"] > 0)[:, np.newaxis]])
+    which, numbers = np.nonzero(acts)
     rows = np.zeros(len(which), ROW)
-    rows["kind"], rows["component"], rows["connector"] = DASHPOT, axes, which
+    rows["kind"], rows["component"], rows["connector"] = DASHPOT, numbers, which
     rows["points"], rows["functions"], rows["turning"] = connectors["points"][which], NONE, NONE
     return rows
-
-
-def _sizes(laws: np.ndarray) -> np.ndarray:
-    """(2, k, 1) of the entries of the matrices (2, k, 6, 6)."""
-    return np.abs(laws).max(axis=(2, 3), initial=0.0)[:, :, np.newaxis]
 
 
 def freeze(connectors: Any, which: np.ndarray) -> None:
@@ -69,7 +65,7 @@ def freeze(connectors: Any, which: np.ndarray) -> None:
 def _direction(connector, number, one, other, half, k):
     """Component k of the axis along which, or about which if half is 1, a connector damps.
 
-    number: of its direction, 0 to 5.
+    number: of its direction.
     """
     if connector.kind == SPRING:
         square = 0.0
@@ -127,9 +123,12 @@ def aim_dashpots(joints, connectors, points):
             for k in range(3):
                 row.e[side, k] = factor * _direction(connector, number, one, other, 0, k)
                 row.turned[side, k] = factor * _direction(connector, number, one, other, 1, k)
-        direction = connector.directions[number]
-        spring = STIFF * row.reach**2 * max(_along(direction, connector.stiffness), 0.0)
-        both = max(spring + SHARE * row.lag * max(_along(direction, connector.damping), 0.0), SMALLEST)
+        direction, spring, damper = connector.directions[number], 0.0, 0.0
+        if number < 6:
+            spring = STIFF * row.reach**2 * max(_along(direction, connector.stiffness), 0.0)
+        if number >= 6 or connector.splits == 0:
+            damper = SHARE * row.lag * max(_along(direction, connector.damping), 0.0)
+        both = max(spring + damper, SMALLEST)
         row.softness, row.springiness = 1.0 / both, spring / both
         row.bend = _bend(connector.kind, row, one, other)
 

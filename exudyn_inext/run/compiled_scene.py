@@ -191,6 +191,8 @@ class CompiledScene:
         """
         records = self.contacts.records
         records["lag"] = h * records["implicit"]
+        if self.damps_implicitly:
+            self.loads.follow_tangents(h)
         self._dashpots["lag"] = h
         self._dashpots["reach"] = h if h > self._limit_of_springs else 0.0
 
@@ -217,7 +219,6 @@ class CompiledScene:
         if system:
             self._set(system)
             self._unscaled = None
-            self.loads.follow_tangents()
         return system is not None
 
     @contextmanager

@@ -114,6 +114,7 @@ class CoupledRun(LimitedRun):
     def _move_by(self, mover: MovedByKernels | MovedByExudyn) -> None:
         self.mover = mover
         self.looks_ahead, self.elsewhere, self.data = mover.looks_ahead, mover.elsewhere, mover.data
+        self.asks = mover.asks
         for name in ("_kept", "_jumps"):  # elsewhere is another place now
             self.__dict__.pop(name, None)
 

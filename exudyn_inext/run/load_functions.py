@@ -74,6 +74,7 @@ class StateFunctions(LoadFunctions):
 
     bring: (t, q, v): brings mbs to that state.   springs: with functions.
     name: of the first load or spring whose function may depend on it.
+    look_at_mbs: whether they may see more than the motion of a spring.
     """
 
     def __init__(
@@ -87,7 +88,7 @@ class StateFunctions(LoadFunctions):
         of_state = [load.name for load in loads if not load.is_pure]
         self.name = of_state[0] if of_state else springs.name
         self._bring, self._time = bring, 0.0
-        self._looks_at_mbs = bool(of_state) or springs.look_at_mbs
+        self.look_at_mbs = bool(of_state) or springs.look_at_mbs
         self._values = np.zeros(self.numbers.sum())
 
     def values(self, times: Sequence[float]) -> Array:
@@ -97,7 +98,7 @@ class StateFunctions(LoadFunctions):
     def look(self, q: Array, v: Array, time: float | None = None) -> Array:
         """The values in the state (q, v), at the time that was asked for last or, if given, `time` [s]."""
         self._time = self._time if time is None else time
-        if self._looks_at_mbs:
+        if self.look_at_mbs:
             self._bring(self._time, q, v)
         self.springs.look(self._time, q, v)
         self._values = super().values([self._time])[0]

@@ -31,8 +31,9 @@ class MovedByKernels(Mover):
     """See `Mover`, and `MovedByExudyn` for what the methods do.
 
     form: the scene in compiled code.
-    looks_ahead: whether no load depends on the state, for which mbs is brought to where the load of a step is
-        evaluated, at its end, by the accelerations before it; and no function of a joint is steered.
+    looks_ahead: whether no load or spring asks a function that may look at mbs, which is brought to where
+        these are evaluated, at the end of a step, by the accelerations before it; and no function of a joint
+        is steered.
     """
 
     def __init__(
@@ -45,9 +46,10 @@ class MovedByKernels(Mover):
     ) -> None:
         super().__init__(scene, runs, state, method)
         self._form = self.evaluated = form
-        self.looks_ahead = form.loads.of_state is None and not form.steered
-        if form.loads.of_state:
-            self.asks = form.loads.of_state.name
+        of_state = form.loads.of_state
+        self.looks_ahead = not (form.steered or (of_state and of_state.look_at_mbs))
+        if of_state:
+            self.asks = of_state.name
         elif form.steered:
             self.asks = f"the function of {form.steered}, which reads what step functions may change"
         self.given, self.data = form.given, form.data

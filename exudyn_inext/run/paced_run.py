@@ -45,6 +45,7 @@ class PacedRun:
     trouble: what the integrator said of the last steps that went wrong.
     looks_ahead: whether several steps of the time loop can be computed at once.
     asks_ahead: whether they can, although functions are asked in each of them, which look at the motion only.
+    asks: of which item compiled steps ask a function, if they do.
     completes: whether `complete` finds accelerations; otherwise `accelerations` does.
     elsewhere: what of the state lies in no array of the run, see `KeptState`.
     remembered: (k, D) by contacts after the intervals of the last `record`; None: mbs knows, or there are
@@ -62,6 +63,7 @@ class PacedRun:
     _rejects: bool  # see `ExplicitSettings.rejectSteps`
     watch: Any
     looks_ahead = asks_ahead = False
+    asks = ""
     gave_up = False
     jump: JumpError | None = None
     may_begin_again = False  # from wherever `advance` begins
@@ -146,7 +148,7 @@ class PacedRun:
                 "CubicSpline), or set energyTolerance = 10, which bears the work of such jumps."
             )
         is_no_number = self.watch.trouble == NOT_FINITE and self.control.is_smallest
-        if is_no_number and not self.looks_ahead:  # Exudyn evaluates, and does not look at what it gets
+        if is_no_number and (self.asks or not self.looks_ahead):  # nobody looks at what functions return
             return NO_NUMBER
         if self.watch.hides_energy and 0.0 < step < self.control.largest:  # otherwise they are resolved
             return (

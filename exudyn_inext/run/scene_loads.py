@@ -80,10 +80,10 @@ class SceneLoads:
         finally:
             springs.are_held = before
 
-    def follow_tangents(self) -> None:
-        """Springs with user functions are linear about the state in which these are asked, from now on."""
+    def follow_tangents(self, step: float) -> None:
+        """Springs with user functions are linear in such a step [s] from now on; 0: they are constant."""
         if self.of_state:
-            self.of_state.springs.have_tangents = True
+            self.of_state.springs.step = step
 
     def take_constants(self) -> None:
         """Constant loads on cables, which have been changed."""

@@ -8,11 +8,12 @@ import numpy as np
 from ..arrays import Array
 from ..compiled import Prepared, placed
 from ..errors import SceneError
-from ..multibody.connectors import uncoupled_directions
+from ..multibody.connectors import principal_directions
 from ..multibody.scene import measure_connectors
 from .load_functions import as_array
 
-WAY = 1e-8  # of differences, of a stretch or rate up to one
+WAY = 1e-8  # of differences at least, of a stretch or rate up to one
+SHARE = 0.05  # of a rate, which may change in a step: tangents are differences over what may change
 
 
 class AskedSpring(NamedTuple):
@@ -21,7 +22,7 @@ class AskedSpring(NamedTuple):
     place: of its record.   axes: along which it acts.   name: for messages.
     law: (t, stretch, rate, frames) -> forces along these axes [N, Nm]; stretch and rate: (6,),
         frames: (3, 3, 3), see `multibody.connectors`.
-    looks: whether it may look at mbs.
+    looks: whether anything but that may decide on what it returns.
     """
 
     place: int
@@ -35,13 +36,13 @@ class SpringFunctions:
     """Of all springs of a scene.   springs: by their numbers, as they are at present.
 
     are_held: whether the springs stay as they are, wherever they are looked at.
-    have_tangents: whether they are linear about that state, or constant.
+    step: in which they are linear about that state [s]; 0: they are constant.
     """
 
     def __init__(self, springs: Mapping[int, AskedSpring]) -> None:
         self._springs = springs
         self._tangents: dict[int, _Tangent] = {}
-        self.are_held = self.have_tangents = False
+        self.are_held, self.step = False, 0.0
 
     @property
     def name(self) -> str:
@@ -50,7 +51,7 @@ class SpringFunctions:
 
     @property
     def look_at_mbs(self) -> bool:
-        """Whether one may."""
+        """Whether one of them may look at more than the motion of its spring."""
         return any(spring.looks for spring in self._springs.values())
 
     def take(self, system: Any) -> None:
@@ -70,7 +71,7 @@ class SpringFunctions:
         for spring in self._springs.values():
             if spring.place not in self._tangents:
                 self._tangents[spring.place] = _Tangent(self._connectors, spring.place)
-            self._tangents[spring.place].take(spring, t, self.have_tangents)
+            self._tangents[spring.place].take(spring, t, self.step)
 
 
 class _Tangent:
@@ -83,23 +84,27 @@ class _Tangent:
         self._force, self._frames = connectors["force"][place], connectors["frame"][place]
         self._directions = connectors["directions"][place]
 
-    def take(self, spring: AskedSpring, t: float, has_slopes: bool) -> None:
-        """About the stretch and rate of the record, at t [s]."""
-        axes, state = spring.axes, self._state
+    def take(self, spring: AskedSpring, t: float, step: float) -> None:
+        """About the stretch and rate of the record, at t [s]; constant if the step [s] is zero."""
         force = self._forces(spring, t)
-        self._force[axes] = force
-        for present, about, slopes in (
-            zip(state, self._about, self._slopes, strict=True) if has_slopes else ()
-        ):
+        self._force[spring.axes] = force
+        if step > 0.0:
+            self._set_slopes(spring, t, force, (step, SHARE))
+
+    def _set_slopes(self, spring: AskedSpring, t: float, force: Array, shares: Sequence[float]) -> None:
+        """By differences over these shares of the present rates.   force: at present."""
+        axes, rates = list(spring.axes), np.abs(self._state[1])
+        for present, about, slopes, share in zip(self._state, self._about, self._slopes, shares, strict=True):
             about[:] = present
             for axis in axes:
-                present[axis] += WAY * max(1.0, abs(about[axis]))
-                change = self._forces(spring, t) - force
-                slopes[axes, axis] = change / (present[axis] - about[axis])
+                present[axis] += max(WAY * max(1.0, abs(about[axis])), share * rates[axis])
+                slopes[axes, axis] = (self._forces(spring, t) - force) / (present[axis] - about[axis])
                 present[axis] = about[axis]
-        if has_slopes and len(axes) > 1:
+        if len(axes) > 1 and np.isfinite(self._slopes).all():
             own = np.ix_(axes, axes)
-            self._directions[own] = uncoupled_directions(*(slopes[own] for slopes in self._slopes))
+            found = principal_directions(*(slopes[own] for slopes in self._slopes))
+            for directions, vectors in zip((self._directions[:6], self._directions[6:]), found, strict=True):
+                directions[own] = vectors
 
     def _forces(self, spring: AskedSpring, t: float) -> Array:
         """Along the axes of a spring; no numbers where steps that are too long lead out of its range."""

@@ -13,7 +13,7 @@ from ...multibody.connectors import (
     RUBBING,
     SIX,
     SPRING,
-    uncoupled_directions,
+    set_directions,
 )
 from ...run.spring_functions import AskedSpring
 from .points import Place, PointReader
@@ -57,7 +57,7 @@ def read_connector(mbs: Any, number: int, reader: PointReader, may_ask: bool) ->
         require_no_functions(data, name)
     record = np.zeros(1, CONNECTOR)[0]
     record["place"], record["factors"] = reader.place_of_data(data, number), 1.0
-    record["directions"] = np.eye(6)
+    record["directions"][:6] = np.eye(6)
     places = [reader.marker(k) for k in data["markerNumbers"]]
     record.points[:] = [place.point for place in places]
     of_values = record.copy()
@@ -129,7 +129,7 @@ def _rigid_body(data: dict[str, Any], name: str, places: list[Place], record: An
     if data["useIntrinsicFormulation"]:
         record["kind"] = INTRINSIC
     record["stiffness"][:], record["damping"][:] = data["stiffness"], data["damping"]
-    record["directions"] = uncoupled_directions(record["stiffness"], record["damping"])
+    set_directions(record)
     record["offset"][:] = data["offset"]
 
 

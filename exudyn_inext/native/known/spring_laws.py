@@ -7,7 +7,13 @@ import numpy as np
 
 from ...arrays import Array
 from ...items.functions_of_time import python_function, step_functions
-from ...items.functions_that_look import Look, look_of, may_change_anything, names_read_by
+from ...items.functions_that_look import (
+    FunctionsOfSteps,
+    Look,
+    look_of,
+    may_change_anything,
+    names_read_by,
+)
 from ...run.spring_functions import AskedSpring
 from .unknown import UnknownItemError
 
@@ -67,12 +73,12 @@ def read_law(mbs: Any, data: dict[str, Any], number: int, record: Any, name: str
         raise UnknownItemError(f"{name}, whose user function may change something, or be changed")
     for parameter in ("stiffness", "damping", "force"):
         record[parameter] = 0.0
-    record["asked"][axes] = 1
+    record["asked"][axes], record["splits"] = 1, int(len(axes) > 1)
 
     def law(t: float, stretch: Array, rate: Array, frames: Array) -> Any:
         return function(mbs, t, number, *arguments(data, stretch, rate, frames))
 
-    looks = look_of(function, mbs) > Look.NOTHING
+    looks = bool(step_functions(mbs)) or data[key] not in FunctionsOfSteps(mbs)
     return AskedSpring(0, axes, name, law, looks)
 
 

@@ -81,7 +81,7 @@ class ActingOnTree:
         centres = [reader.centre_of_link(number, k).point for k in range(size)]
         ground = reader.fixed(np.zeros(3), has_frame=False).point
         self.springs, self.loads = np.zeros(size, CONNECTOR), np.zeros(2 * size, LOAD)
-        self.springs["directions"] = np.eye(6)
+        self.springs["directions"][:, :6] = np.eye(6)
         self.springs["kind"], self.springs["place"], self.springs["factors"] = CARTESIAN, -1, 1.0
         self.springs["points"][:, 0], self.springs["points"][:, 1] = ground, joints
         self.loads["function"], self.loads["point"] = NONE, [*joints, *centres]
