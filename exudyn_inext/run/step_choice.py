@@ -491,10 +491,10 @@ def warn_of_damping(choice: StepChoice, duration: float) -> None:
         warnings.warn(
             f"damping of {bounds.damping:.3g} 1/s at {bounds.damped or bounds.cable} bounds the step to "
             f"{bounds.bending:.3g} s, where {bounds.undamped:.3g} s hold without it: dashpots that Exudyn "
-            "evaluates, or whose axes are coupled, damping of finite elements, beams and native cables, "
-            "friction in its proportional zone, drag, also by functions of loads, and under RK4 all dashpots "
-            "and bending damping are explicit; let these damp less, or let a step function set what user "
-            f"functions of springs change{other}.",
+            "evaluates, damping of finite elements, beams and native cables, friction in its proportional "
+            "zone, drag, also by functions of loads, and under RK4 all dashpots and bending damping are "
+            "explicit; let these damp less, or let a step function set what user functions of springs "
+            f"change{other}.",
             stacklevel=3,
         )
 

@@ -192,8 +192,16 @@ def test_tangents_of_functions_damp_as_dashpots_do(moved):
     assert np.abs(places - expected).max() < 2e-3 * np.abs(expected).max()
 
 
-def on_a_lever(k):
-    """A second body on a bushing whose stiffness is that of one at a lever: its matrix couples."""
+def at_a_lever(arm, k):
+    """(6, 6) of a bushing that holds a point at that arm along x [m]."""
+    lever = np.eye(6)
+    lever[1, 5], lever[2, 4] = arm, -arm
+    matrix: np.ndarray = k * lever.T @ np.diag([1.0, 1.0, 1.0, 0.02, 0.02, 0.02]) @ lever
+    return matrix
+
+
+def on_a_lever(k, arm_of_damping):
+    """A second body on a bushing whose stiffness, and damping, are those of one at a lever: they couple."""
 
     def hold(mbs, node, markers, end):
         is_planar = mbs.GetNode(node)["nodeType"].endswith("2D")
@@ -201,19 +209,18 @@ def on_a_lever(k):
         of_body = {"inertia": InertiaCuboid(1000, [0.2, 0.05, 0.05]), "create2D": is_planar}
         body = mbs.CreateRigidBody(referencePosition=[1.3, 0, 0], gravity=GRAVITY, **of_body)
         side = mbs.AddMarker(MarkerBodyRigid(bodyNumber=body, localPosition=[-0.1, 0, 0]))
-        lever = np.eye(6)
-        lever[1, 5], lever[2, 4] = 0.3, -0.3
-        matrix = k * lever.T @ np.diag([1.0, 1.0, 1.0, 0.02, 0.02, 0.02]) @ lever
-        law = {"stiffness": matrix, "damping": 1e-4 * matrix}
+        law = {"stiffness": at_a_lever(0.3, k), "damping": 1e-4 * at_a_lever(arm_of_damping, k)}
         mbs.AddObject(RigidBodySpringDamper(markerNumbers=[markers[1], side], **law))
 
     return hold
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
-def test_stiffness_that_couples_axes_does_not_bound_the_step(moved, dimension):
-    places, report = moved(dimension, on_a_lever(1e8))
-    expected, explicit = moved(dimension, on_a_lever(1e6), stepSize=1e-5, massScaling=0.3)
+@pytest.mark.parametrize(("dimension", "arm_of_damping"), [(2, 0.3), (3, 0.3), (2, -0.2), (3, 0.0)])
+def test_stiffness_that_couples_axes_does_not_bound_the_step(moved, dimension, arm_of_damping):
+    """Also where the damping has other directions."""
+    places, report = moved(dimension, on_a_lever(1e8, arm_of_damping))
+    given = {"stepSize": 1e-5, "massScaling": 0.3}
+    expected, explicit = moved(dimension, on_a_lever(1e6, arm_of_damping), **given)
     assert report["steps"] < 0.1 * END / explicit["bounds"].undamped
     assert np.abs(places - expected).max() < 5e-3 * np.abs(expected).max()
 
