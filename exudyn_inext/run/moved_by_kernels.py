@@ -219,11 +219,12 @@ class MovedByKernels(Mover):
         """Do without mbs from now on.   who: asks, for messages.
 
         Raises:
-            SceneError: joints slide along cables or are steered, or loads depend on the state.
+            SceneError: joints slide along cables or are steered, or functions of the state may look at mbs.
         """
         if self._form.steered:
             raise SceneError(f"{who} cannot ask {self.asks}: use SolveExplicit, or {SAY_OF_TIME}.")
-        if of_state := self._form.loads.of_state:
+        of_state = self._form.loads.of_state
+        if of_state and of_state.look_at_mbs:
             raise SceneError(f"{who} cannot ask {of_state.name}: use SolveExplicit, or leave it out.")
         if self._slides:
             raise SceneError(

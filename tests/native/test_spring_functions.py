@@ -18,7 +18,15 @@ from exudyn.itemInterface import (
 )
 from exudyn.utilities import InertiaCuboid
 
-from exudyn_inext import CreateInextensibleCable, InextensibleCable, SceneError
+from exudyn_inext import (
+    CreateInextensibleCable,
+    ExplicitSettings,
+    ExplicitStepper,
+    InextensibleCable,
+    SceneError,
+    SolveEnsemble,
+)
+from reference_models.model import quiet_settings
 from tests.exudyn_binding.items import that_remembers
 
 GRAVITY, END = [0, -9.81, 0], 0.2
@@ -302,3 +310,46 @@ def test_parameters_that_functions_are_given_are_those_of_the_present_run(new_mb
             solve(mbs, END, stepSize=1e-3)
         ways.append(places_of(mbs))
     np.testing.assert_array_equal(*ways)
+
+
+STIFFNESSES, GIVEN = (1e5, 1e6, 1e7), {"stepSize": 1e-3, "massScaling": 0.3}
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_members_of_ensembles_ask_their_own_functions(moved, new_mbs, threads):
+    def build(k):
+        mbs = new_mbs()
+        rope_and_body(mbs, 2, tied_by(k, across_axes, 30.0))
+        return mbs
+
+    settings = quiet_settings(END, 20)
+    given = build, settings, ExplicitSettings(**GIVEN), STIFFNESSES, 0, threads
+    found = SolveEnsemble(*given)["coordinates"][:, -1]
+    expected = [moved(2, tied_by(k, across_axes, 30.0), **GIVEN)[0] for k in STIFFNESSES]
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
+    assert np.ptp(found, axis=0).max() > 1e-6
+
+
+def test_steppers_ask_functions_that_see_their_own_motion(moved, new_mbs):
+    mbs = new_mbs()
+    rope_and_body(mbs, 3, jointed(lambda mbs, pair: mbs.AddObject(in_all_directions(pair, 20.0, 0.2))))
+    stepper = ExplicitStepper(mbs, explicitSettings=ExplicitSettings(**GIVEN), interval=END / 10)
+    stepper.Start()
+    for _ in range(10):
+        stepper.Step()
+    stepper.WriteToSystem()
+    hold = jointed(lambda mbs, pair: mbs.AddObject(in_all_directions(pair, 20.0, 0.2)))
+    np.testing.assert_allclose(places_of(mbs), moved(3, hold, **GIVEN)[0], rtol=0, atol=1e-12)
+
+
+def test_steppers_refuse_functions_that_see_more(new_mbs):
+    def law(mbs, t, number, way, *others):
+        return 3.0 * way * mbs.GetNodeOutput(0, exudyn.OutputVariableType.Position)[0]
+
+    mbs = new_mbs()
+    at = {"stiffness": 3.0, "springForceUserFunction": law}
+    rope_and_body(
+        mbs, 2, jointed(lambda mbs, pair: mbs.AddObject(SpringDamper(markerNumbers=pair[:2], **at)))
+    )
+    with pytest.raises(SceneError, match=r"ExplicitStepper cannot ask object .*: use SolveExplicit"):
+        ExplicitStepper(mbs)
