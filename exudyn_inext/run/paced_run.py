@@ -150,7 +150,8 @@ class PacedRun:
         is_no_number = self.watch.trouble == NOT_FINITE and self.control.is_smallest
         if is_no_number and (self.asks or not self.looks_ahead):  # nobody looks at what functions return
             return NO_NUMBER
-        if self.watch.hides_energy and 0.0 < step < self.control.largest:  # otherwise they are resolved
+        nominal = self.control.divisor * self.control.largest
+        if self.watch.hides_energy and 0.0 < step < nominal:  # otherwise they are resolved
             return (
                 "Likely cause: axial vibrations, which the steps did not resolve, hid energy that smaller "
                 f"ones set free: take stepSize = {step:.2g}, which resolves them from the start."

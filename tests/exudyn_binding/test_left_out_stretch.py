@@ -33,6 +33,7 @@ from exudyn_inext import (
 )
 from exudyn_inext.run.coupled_run import CoupledRun
 from reference_models.model import quiet_settings
+from tests.exudyn_binding.items import that_remembers
 
 GRAVITY, PINNED = [0, -9.81, 0], [True, True, False, False]
 ROPE = {"massPerLength": 1.0, "bendingStiffness": 1.0}
@@ -182,7 +183,9 @@ def hammer(stiffness, **given):
     def push(mbs, t, item, u, v, stiffness, damping, offset):
         return stiffness * min(u + 2.0, 0.0)
 
-    spring = CoordinateSpringDamper(markerNumbers=pair, stiffness=1e5, springForceUserFunction=push)
+    spring = CoordinateSpringDamper(
+        markerNumbers=pair, stiffness=1e5, springForceUserFunction=that_remembers(push)
+    )
     mbs.AddObject(spring)
     mbs.Assemble()
     return mbs, mass

@@ -330,7 +330,7 @@ def test_contact_throws_off_no_held_coordinates_by_round_off_without_cables(mbs)
 @pytest.mark.parametrize(("nominal", "is_advised"), [(1e-3, True), (6e-5, False)])
 def test_no_step_is_advised_that_is_longer_than_the_one_that_went_wrong(nominal, is_advised):
     watch = SimpleNamespace(resolving_step=8.5e-5, hides_energy=True, trouble=JUMP)
-    control = SimpleNamespace(offset=0.0, present=1e-9, largest=nominal, is_smallest=True)
+    control = SimpleNamespace(offset=0.0, present=1e-9, largest=nominal / 4, divisor=4, is_smallest=True)
     seen = dict(names_of_places=[], cable_runs=[], straight_cables=list, _rejects=True, jump=None)
     said = PacedRun.known_cause(SimpleNamespace(watch=watch, control=control, looks_ahead=True, **seen), 0.0)
     assert ("take stepSize = 8.5e-05" in said) == is_advised

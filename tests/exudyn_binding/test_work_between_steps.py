@@ -445,8 +445,10 @@ def load_that_follows_the_state(model):
 
 
 def spring_that_follows_the_state(model):
+    node = model.nodes[-1]
+
     def force(mbs, t, number, length, rate, stiffness, damping, initial):
-        return 5.0 * length + 0.1 * rate
+        return 5.0 * length - 0.1 * mbs.GetNodeOutput(node, OutputVariableType.Velocity)[1]
 
     ends = [model.at_point([2, 1, 0]), model.at(model.nodes[-1])]
     model.mbs.AddObject(SpringDamper(markerNumbers=ends, referenceLength=1.0, springForceUserFunction=force))
