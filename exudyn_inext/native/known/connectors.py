@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...items.arguments import described
+from ...items.functions_that_look import FunctionsOfSteps
 from ...multibody.connectors import (
     CARTESIAN,
     CONNECTOR,
@@ -41,10 +42,12 @@ class KnownConnector(NamedTuple):
             _READERS[self.data["objectType"]](self.data, "", self.places, record)
 
 
-def read_connector(mbs: Any, number: int, reader: PointReader, may_ask: bool) -> KnownConnector:
+def read_connector(
+    mbs: Any, number: int, reader: PointReader, of_steps: FunctionsOfSteps | None
+) -> KnownConnector:
     """An object; without stiffness and all else if it is switched off.
 
-    may_ask: whether its user function may be called for the end of each step.
+    of_steps: functions that look at nothing; None: no user function may be called for the end of each step.
 
     Raises:
         UnknownItemError: it has no compiled form.
@@ -53,7 +56,7 @@ def read_connector(mbs: Any, number: int, reader: PointReader, may_ask: bool) ->
     name = described(data, number)
     if data["objectType"] not in _READERS:
         raise UnknownItemError(name)
-    if not (may_ask and data["activeConnector"]):
+    if not (of_steps and data["activeConnector"]):
         require_no_functions(data, name)
     record = np.zeros(1, CONNECTOR)[0]
     record["place"], record["factors"] = reader.place_of_data(data, number), 1.0
@@ -63,7 +66,7 @@ def read_connector(mbs: Any, number: int, reader: PointReader, may_ask: bool) ->
     of_values = record.copy()
     _READERS[data["objectType"]](data, name, places, of_values)
     if data["activeConnector"]:
-        law = read_law(mbs, data, number, of_values, name) if may_ask else None
+        law = read_law(mbs, number, data, of_values, of_steps) if of_steps else None
         return KnownConnector(of_values, data, places, law)
     record["kind"] = CARTESIAN
     return KnownConnector(record, data, places)

@@ -11,6 +11,7 @@ from ...arrays import Array, collected
 from ...errors import SceneError
 from ...items.arguments import described
 from ...items.attach.inert import is_inert_cable
+from ...items.functions_that_look import FunctionsOfSteps
 from ...items.parameters import Parameter, markers_placed_by
 from ...multibody.build import KnownItems
 from ...multibody.connectors import CONNECTOR
@@ -123,6 +124,7 @@ class KnownNumbers:
         self._movable, self._bodies = movable, bodies
         self._markers_placed_by = cache(partial(markers_placed_by, mbs))
         self._follows_state = follows_state
+        self._asked_alone = FunctionsOfSteps(mbs) if follows_state else None
         self.connectors: list[Any] = []
         self.linear_forces: Any = np.zeros(0, LINEAR_FORCE)
         self.loads: list[Any] = []
@@ -152,7 +154,7 @@ class KnownNumbers:
             return
         acts = data.get("activeConnector", True) and not is_joint(data)  # those that hold axes are rows
         with nullcontext() if acts else suppress(UnknownItemError):  # to be switched on, it may be
-            spring = read_connector(self._mbs, number, self._reader, self._follows_state)
+            spring = read_connector(self._mbs, number, self._reader, self._asked_alone)
             self._set_spring(number, len(self.connectors), spring)
             self.connectors.append(spring.record)
 
@@ -280,7 +282,7 @@ class KnownNumbers:
         found: list[tuple[int, Any, slice]] = []
         if kind == "Load" and name in _FORCES and number in self._forces:
             found = [(LOADS, LOAD, _one(self._forces[number]))]
-        elif kind == "Object" and number in self._springs and name in VALUES:
+        elif kind == "Object" and name in VALUES and number in self._springs.keys() - self.asked_springs:
             found = [(CONNECTORS, CONNECTOR, _one(self._springs[number]))]
         elif kind == "Object" and number in self._matrices and name in OF_MATRICES:
             found = [(LINEAR_FORCES, LINEAR_FORCE, self._matrices[number])]
@@ -354,7 +356,8 @@ class KnownNumbers:
         if name in VALUES:
             known.set(name, value, connectors[place])
             return True
-        known = read_connector(self._mbs, number, self._reader, bool(self.asked_springs))
+        asked = self._asked_alone if self.asked_springs else None
+        known = read_connector(self._mbs, number, self._reader, asked)
         self._set_spring(number, place, known)
         connectors[place] = known.record
         self.places_of.cache_clear()

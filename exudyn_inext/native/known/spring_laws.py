@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...arrays import Array
+from ...items.arguments import described
 from ...items.functions_of_time import python_function, step_functions
 from ...items.functions_that_look import (
     FunctionsOfSteps,
@@ -54,10 +55,13 @@ _LAWS: dict[str, tuple[str, list[int], _Arguments]] = {  # name of the function,
 }
 
 
-def read_law(mbs: Any, data: dict[str, Any], number: int, record: Any, name: str) -> AskedSpring | None:
+def read_law(
+    mbs: Any, number: int, data: dict[str, Any], record: Any, of_steps: FunctionsOfSteps
+) -> AskedSpring | None:
     """What a user function of a spring asks for; None: it has none.
 
-    data, number: of its object.   record: that it becomes, which then has no law of its own.
+    number, data: of its object.   record: that it becomes, which then has no law of its own.
+    of_steps: those that look at nothing.
 
     Raises:
         UnknownItemError: it must be asked by Exudyn.
@@ -66,6 +70,7 @@ def read_law(mbs: Any, data: dict[str, Any], number: int, record: Any, name: str
     given = {one for one, value in data.items() if "UserFunction" in one and one[0] != "V" and value}
     if not given:
         return None
+    name = described(data, number)
     if given != {key} or data.get("useIntrinsicFormulation"):
         raise UnknownItemError(f"{name}, which has a user function")
     function = python_function(data[key])
@@ -78,7 +83,7 @@ def read_law(mbs: Any, data: dict[str, Any], number: int, record: Any, name: str
     def law(t: float, stretch: Array, rate: Array, frames: Array) -> Any:
         return function(mbs, t, number, *arguments(data, stretch, rate, frames))
 
-    looks = bool(step_functions(mbs)) or data[key] not in FunctionsOfSteps(mbs)
+    looks = bool(step_functions(mbs)) or data[key] not in of_steps
     return AskedSpring(0, axes, name, law, looks)
 
 
