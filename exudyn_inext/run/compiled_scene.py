@@ -439,10 +439,11 @@ class CompiledScene:
 
     @property
     def places(self) -> dict[str, Array]:
-        """Where all that slides is on its cables, for the next steps, and how offsets are set, by names."""
+        """Where what slides is on its cables, for the next steps, how offsets are set, and asked springs."""
         sliders = behind(self.system.items.sliders).records
         places = {name: sliders[name] for name in PLACE}
-        return places | {"steered": self._moved.memory}
+        asked = self.loads.of_state.springs.memory if self.loads.of_state else {}
+        return places | {"steered": self._moved.memory} | asked
 
     @property
     def has_dependent_joints(self) -> bool:
@@ -478,7 +479,8 @@ class CompiledScene:
         for rows in starmap(slice, pairwise([0, *changes, len(times)])):
             self._take_means(steps[rows.start])
             data = None if remembered is None else remembered[rows]
-            self._evaluate_alike(times[rows], history[rows], data, multipliers[rows], forces[rows])
+            with self.loads.springs_kept():
+                self._evaluate_alike(times[rows], history[rows], data, multipliers[rows], forces[rows])
         return multipliers, forces
 
     def _take_means(self, step: float) -> None:

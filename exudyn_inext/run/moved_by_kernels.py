@@ -1,7 +1,7 @@
 """A coupled scene that compiled kernels move: many steps in one call, of which mbs knows nothing."""
 
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import Any
 
 import numpy as np
@@ -83,11 +83,16 @@ class MovedByKernels(Mover):
             super().begin_by(function, time)
         else:
             begin = self._beginnings.setdefault(function, Prepared(behind))
-            given = self.external_at(time)
-            with self._form.pressed_as_before() if again else nullcontext():
-                begin(self._form.called, given, self._state)
+            with self._as_before() if again else nullcontext():
+                begin(self._form.called, self.external_at(time), self._state)
         if not again:
             self._form.foresee_joints()
+
+    @contextmanager
+    def _as_before(self) -> Iterator[None]:
+        """Contact in the cables' matrices, and springs with functions, stay as they are or were read."""
+        with self._form.pressed_as_before(), self._form.loads.springs_held():
+            yield
 
     def external_at(self, time: float) -> Array:
         loads = self._form.loads

@@ -18,7 +18,7 @@ from ..arrays import Array
 from ..errors import InputError
 from .output_files import written_aside
 
-FORMAT, VERSION = "exudyn_inext restart", 22
+FORMAT, VERSION = "exudyn_inext restart", 23
 _HEADER, _DATA = "header", "data"
 _EMPTY = zlib.compress(b"{}")  # data of older versions
 

@@ -80,6 +80,15 @@ class SceneLoads:
         finally:
             springs.are_held = before
 
+    @contextmanager
+    def springs_kept(self) -> Iterator[None]:
+        """Springs with user functions are afterwards as they were, wherever these are asked meanwhile."""
+        memory = list(self.of_state.springs.memory.values()) if self.of_state else []
+        kept = [own.copy() for own in memory]
+        yield
+        for own, before in zip(memory, kept, strict=True):
+            own[:] = before
+
     def follow_tangents(self, step: float) -> None:
         """Springs with user functions are linear in such a step [s] from now on; 0: they are constant."""
         if self.of_state:

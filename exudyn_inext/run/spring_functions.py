@@ -59,6 +59,12 @@ class SpringFunctions:
         self._connectors, self._at = system.items.connectors, placed(system)
         self._measure = Prepared(measure_connectors)
 
+    @property
+    def memory(self) -> dict[str, Array]:
+        """Records of the springs, byte by byte, by names: what their functions said last."""
+        places = [spring.place for spring in self._springs.values()]
+        return {f"spring {place}": self._connectors[place : place + 1].view(np.uint8) for place in places}
+
     def look(self, t: float, q: Array, v: Array) -> None:
         """Let all springs be what their functions say about the state (q, v) at t [s].
 
@@ -88,6 +94,8 @@ class _Tangent:
         """About the stretch and rate of the record, at t [s]; constant if the step [s] is zero."""
         force = self._forces(spring, t)
         self._force[spring.axes] = force
+        for slopes in self._slopes:
+            slopes[:] = 0.0
         if step > 0.0:
             self._set_slopes(spring, t, force, (step, SHARE))
 

@@ -252,7 +252,7 @@ def test_pickled_objects_are_not_loaded(tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"version": 1}, "is of version 1, this package reads version 22"),
+        ({"version": 1}, "is of version 1, this package reads version 23"),
         ({"format": "x"}, "not of the format"),
     ],
 )

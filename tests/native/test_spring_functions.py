@@ -25,9 +25,12 @@ from exudyn_inext import (
     InextensibleCable,
     SceneError,
     SolveEnsemble,
+    SolveExplicit,
 )
+from exudyn_inext.multibody.connectors import CONNECTOR
+from exudyn_inext.run.spring_functions import AskedSpring, _Tangent
 from reference_models.model import quiet_settings
-from tests.exudyn_binding.items import that_remembers
+from tests.exudyn_binding.items import restarting_settings, that_remembers
 
 GRAVITY, END = [0, -9.81, 0], 0.2
 
@@ -353,3 +356,27 @@ def test_steppers_refuse_functions_that_see_more(new_mbs):
     )
     with pytest.raises(SceneError, match=r"ExplicitStepper cannot ask object .*: use SolveExplicit"):
         ExplicitStepper(mbs)
+
+
+def test_restart_files_do_not_change_a_bit(new_mbs, tmp_path):
+    def run(end, file):
+        mbs = new_mbs()
+        rope_and_body(mbs, 3, tied_by(1e6, across_axes, 30.0))
+        SolveExplicit(mbs, restarting_settings(tmp_path / file, end, END / 4))
+        return places_of(mbs)
+
+    whole = run(END, "whole.npz")
+    run(END / 2, "parts.npz")
+    np.testing.assert_array_equal(run(END, "parts.npz"), whole)
+
+
+def test_springs_are_constant_again_without_a_step():
+    """In steps of no length nothing is implicit: no tangent is left of those before."""
+    connectors = np.zeros(1, CONNECTOR)
+    spring = AskedSpring(0, [0], "spring", lambda t, stretch, rate, frames: stretch[0] ** 2, False)
+    tangent = _Tangent(connectors, 0)
+    for step, slope in ((1e-3, 2.0), (0.0, 0.0)):
+        connectors["stretch"][0, 0] = 1.0
+        tangent.take(spring, 0.0, step)
+        assert connectors["force"][0, 0] == 1.0
+        assert connectors["stiffness"][0, 0, 0] == pytest.approx(slope, rel=1e-6)
