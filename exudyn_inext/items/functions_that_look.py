@@ -316,6 +316,15 @@ class FunctionsOfSteps:
         return self._none_changes_anything
 
     @cached_property
+    def may_set_objects(self) -> bool:
+        """Whether step functions may, along whose way their parameters would go within a step."""
+        mbs = self._mbs
+        return any(
+            look_of(one, mbs) == Look.ANYTHING or "SetObjectParameter" in names_read_by(one, mbs)
+            for one in step_functions(mbs)
+        )
+
+    @cached_property
     def _none_changes_anything(self) -> bool:
         if has_sensor_functions(self._mbs):
             return False

@@ -192,7 +192,7 @@ class CompiledScene:
         records = self.contacts.records
         records["lag"] = h * records["implicit"]
         if self.damps_implicitly:
-            self.loads.follow_tangents(h)
+            self.loads.springs.step = h
         self._dashpots["lag"] = h
         self._dashpots["reach"] = h if h > self._limit_of_springs else 0.0
 
@@ -243,7 +243,7 @@ class CompiledScene:
         saved, number = {name: connectors[name].copy() for name in _OF_LAWS}, int(ramps.number[0])
         ramps.number[0] = 0
         connectors["damping"][which] *= damping
-        held = self.loads.springs_held if damping == 0.0 and len(which) else nullcontext
+        held = self.loads.springs.held if damping == 0.0 and len(which) else nullcontext
         if damping == 0.0:
             freeze(connectors, which)
         try:
@@ -442,8 +442,7 @@ class CompiledScene:
         """Where what slides is on its cables, for the next steps, how offsets are set, and asked springs."""
         sliders = behind(self.system.items.sliders).records
         places = {name: sliders[name] for name in PLACE}
-        asked = self.loads.of_state.springs.memory if self.loads.of_state else {}
-        return places | {"steered": self._moved.memory} | asked
+        return places | {"steered": self._moved.memory} | self.loads.springs.memory
 
     @property
     def has_dependent_joints(self) -> bool:
@@ -479,7 +478,7 @@ class CompiledScene:
         for rows in starmap(slice, pairwise([0, *changes, len(times)])):
             self._take_means(steps[rows.start])
             data = None if remembered is None else remembered[rows]
-            with self.loads.springs_kept():
+            with self.loads.springs.kept():
                 self._evaluate_alike(times[rows], history[rows], data, multipliers[rows], forces[rows])
         return multipliers, forces
 

@@ -91,7 +91,7 @@ class MovedByKernels(Mover):
     @contextmanager
     def _as_before(self) -> Iterator[None]:
         """Contact in the cables' matrices, and springs with functions, stay as they are or were read."""
-        with self._form.pressed_as_before(), self._form.loads.springs_held():
+        with self._form.pressed_as_before(), self._form.loads.springs.held():
             yield
 
     def external_at(self, time: float) -> Array:

@@ -13,6 +13,7 @@ from .jump_ahead import JumpSight
 from .load_functions import LoadFunctions, StateFunctions
 from .moved_offsets import MovedOffsets
 from .ramp import Ramp
+from .spring_functions import SpringFunctions
 
 
 class SceneLoads:
@@ -52,6 +53,7 @@ class SceneLoads:
         least = max((of_cable.sight.least for of_cable in loads), default=0.0)
         self._sight = JumpSight(self._columns_of_places(row), least, self.factors)
         self.of_state = of_loads if isinstance(of_loads, StateFunctions) else None
+        self.springs = self.of_state.springs if self.of_state else SpringFunctions({})
         self.vary_on_cables = bool(self._loads)
         end = len(self.constant) - follows
         self._last = slice(end - len(self._is_given), end)
@@ -66,33 +68,6 @@ class SceneLoads:
             yield
         finally:
             self._kept = None
-
-    @contextmanager
-    def springs_held(self) -> Iterator[None]:
-        """Springs with user functions stay as they were when these were asked last."""
-        if self.of_state is None:
-            yield
-            return
-        springs = self.of_state.springs
-        before, springs.are_held = springs.are_held, True
-        try:
-            yield
-        finally:
-            springs.are_held = before
-
-    @contextmanager
-    def springs_kept(self) -> Iterator[None]:
-        """Springs with user functions are afterwards as they were, wherever these are asked meanwhile."""
-        memory = list(self.of_state.springs.memory.values()) if self.of_state else []
-        kept = [own.copy() for own in memory]
-        yield
-        for own, before in zip(memory, kept, strict=True):
-            own[:] = before
-
-    def follow_tangents(self, step: float) -> None:
-        """Springs with user functions are linear in such a step [s] from now on; 0: they are constant."""
-        if self.of_state:
-            self.of_state.springs.step = step
 
     def take_constants(self) -> None:
         """Constant loads on cables, which have been changed."""

@@ -1,6 +1,7 @@
 """User functions of springs: their forces, or tangents, in the state in which they were asked last."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,14 +36,13 @@ class AskedSpring(NamedTuple):
 class SpringFunctions:
     """Of all springs of a scene.   springs: by their numbers, as they are at present.
 
-    are_held: whether the springs stay as they are, wherever they are looked at.
     step: in which they are linear about that state [s]; 0: they are constant.
     """
 
     def __init__(self, springs: Mapping[int, AskedSpring]) -> None:
         self._springs = springs
         self._tangents: dict[int, _Tangent] = {}
-        self.are_held, self.step = False, 0.0
+        self._are_held, self.step = False, 0.0
 
     @property
     def name(self) -> str:
@@ -65,13 +65,33 @@ class SpringFunctions:
         places = [spring.place for spring in self._springs.values()]
         return {f"spring {place}": self._connectors[place : place + 1].view(np.uint8) for place in places}
 
+    @contextmanager
+    def held(self) -> Iterator[None]:
+        """They stay as they are, wherever they are looked at."""
+        before, self._are_held = self._are_held, True
+        try:
+            yield
+        finally:
+            self._are_held = before
+
+    @contextmanager
+    def kept(self) -> Iterator[None]:
+        """They are afterwards as they were, wherever they are looked at meanwhile."""
+        memory = list(self.memory.values())
+        before = [own.copy() for own in memory]
+        try:
+            yield
+        finally:
+            for own, values in zip(memory, before, strict=True):
+                own[:] = values
+
     def look(self, t: float, q: Array, v: Array) -> None:
         """Let all springs be what their functions say about the state (q, v) at t [s].
 
         Raises:
             SceneError: one of them returns something else than numbers.
         """
-        if self.are_held or not self._springs:
+        if self._are_held or not self._springs:
             return
         self._measure(self._at, q, v)
         for spring in self._springs.values():

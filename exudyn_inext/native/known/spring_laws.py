@@ -8,15 +8,9 @@ import numpy as np
 from ...arrays import Array
 from ...items.arguments import described
 from ...items.functions_of_time import python_function, step_functions
-from ...items.functions_that_look import (
-    FunctionsOfSteps,
-    Look,
-    look_of,
-    may_change_anything,
-    names_read_by,
-)
+from ...items.functions_that_look import FunctionsOfSteps, may_change_anything
 from ...run.spring_functions import AskedSpring
-from .unknown import UnknownItemError
+from .unknown import UnknownItemError, functions_of
 
 _Arguments = Callable[[dict[str, Any], Array, Array, Array], tuple[Any, ...]]
 
@@ -67,14 +61,13 @@ def read_law(
         UnknownItemError: it must be asked by Exudyn.
     """
     key, axes, arguments = _LAWS.get(data["objectType"], ("", [], _coordinate))
-    given = {one for one, value in data.items() if "UserFunction" in one and one[0] != "V" and value}
+    name, given = described(data, number), functions_of(data)
     if not given:
         return None
-    name = described(data, number)
     if given != {key} or data.get("useIntrinsicFormulation"):
         raise UnknownItemError(f"{name}, which has a user function")
     function = python_function(data[key])
-    if may_change_anything(function, mbs) or _may_set_objects(mbs):
+    if may_change_anything(function, mbs) or of_steps.may_set_objects:
         raise UnknownItemError(f"{name}, whose user function may change something, or be changed")
     for parameter in ("stiffness", "damping", "force"):
         record[parameter] = 0.0
@@ -85,11 +78,3 @@ def read_law(
 
     looks = bool(step_functions(mbs)) or data[key] not in of_steps
     return AskedSpring(0, axes, name, law, looks)
-
-
-def _may_set_objects(mbs: Any) -> bool:
-    """Whether step functions may, along whose way their parameters would go within a step."""
-    return any(
-        look_of(one, mbs) == Look.ANYTHING or "SetObjectParameter" in names_read_by(one, mbs)
-        for one in step_functions(mbs)
-    )
